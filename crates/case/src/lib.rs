@@ -1,0 +1,1 @@
+//! What the user asks: case files, units, atmosphere and scales.

@@ -1,0 +1,1 @@
+//! The doublet lattice: kernels, influence coefficients, splines, generalized forces.

@@ -1,0 +1,1 @@
+//! Flutter stability: K, KE, PK and g methods, tracking, crossings, matched points.

@@ -1,0 +1,1 @@
+//! Structured multi-block grids: made, read, checked.

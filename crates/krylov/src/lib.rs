@@ -1,0 +1,1 @@
+//! Block-sparse linear systems: BILU(0) and GCG.

@@ -1,0 +1,1 @@
+//! The structure: finite elements, normal modes, modal tables.

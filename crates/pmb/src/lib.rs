@@ -1,0 +1,1 @@
+//! Parallel multi-block Euler/RANS flow solver.

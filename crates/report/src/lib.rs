@@ -1,0 +1,1 @@
+//! What people look at: SVG charts and self-contained HTML reports.

@@ -1,0 +1,4 @@
+//! The `dip` command; everything it does lives in `crates/cli`.
+fn main() -> std::process::ExitCode {
+    dip_cli::dip::main()
+}
