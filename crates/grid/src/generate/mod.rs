@@ -1,0 +1,5 @@
+//! Makes grids from geometry.
+
+mod box_grid;
+
+pub use box_grid::{BoxGrid, box_grid};

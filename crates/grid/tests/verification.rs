@@ -1,0 +1,221 @@
+//! Exact properties: closure, volumes, orientations, splitting.
+
+use dip_grid::generate::{BoxGrid, box_grid};
+use dip_grid::metrics::{face_area, hexahedron_volume};
+use dip_grid::vector::{add, cross, dot, norm, sub};
+use dip_grid::{Face, Metrics, MultiBlock, Orientation, reorient, split};
+
+/// A fixed sequence of numbers in -1..1 (64-bit congruential generator, Knuth's constants).
+struct Noise(u64);
+
+impl Noise {
+    fn next(&mut self) -> f64 {
+        self.0 = self
+            .0
+            .wrapping_mul(6364136223846793005)
+            .wrapping_add(1442695040888963407);
+        (self.0 >> 11) as f64 / (1u64 << 52) as f64 - 1.0
+    }
+}
+
+fn shaken(cells: [usize; 3], amplitude: f64) -> MultiBlock {
+    let mut grid = box_grid([0.0; 3], [1.0, 1.0, 1.0], cells);
+    let mut noise = Noise(7);
+    let block = &mut grid.blocks[0];
+    for k in 1..block.nk {
+        for j in 1..block.nj {
+            for i in 1..block.ni {
+                let p = block.point(i, j, k);
+                let h = |d: usize| amplitude / cells[d] as f64;
+                let q = [
+                    p[0] + h(0) * noise.next(),
+                    p[1] + h(1) * noise.next(),
+                    p[2] + h(2) * noise.next(),
+                ];
+                block.set_point([i, j, k], q);
+            }
+        }
+    }
+    grid
+}
+
+/// Interfaces join equal nodes (up to the translation), every face cell is on one patch or interface.
+fn assert_fits(grid: &MultiBlock) {
+    for interface in &grid.topology.interfaces {
+        let (a, b) = (&grid.blocks[interface.a.block], &grid.blocks[interface.b.block]);
+        assert_eq!(
+            interface.orientation.size(interface.a.window.size()),
+            interface.b.window.size()
+        );
+        for q in interface.a.window.lo[1]..=interface.a.window.hi[1] {
+            for p in interface.a.window.lo[0]..=interface.a.window.hi[0] {
+                let pa = a.point_at(a.node_behind(interface.a.face, p, q, 0));
+                let [pb, qb] = interface.node_on_b(p, q);
+                let pb = b.point_at(b.node_behind(interface.b.face, pb, qb, 0));
+                match interface.translation {
+                    None => assert_eq!(pa, pb),
+                    Some(t) => assert!(norm(sub(pb, add(pa, t))) < 1e-14),
+                }
+            }
+        }
+    }
+    for (n, block) in grid.blocks.iter().enumerate() {
+        for face in Face::ALL {
+            let [np, nq] = block.face_cells(face);
+            let mut seen = vec![0; np * nq];
+            let sides = grid.topology.patches.iter().map(|p| p.side());
+            let ends = grid.topology.interfaces.iter().flat_map(|i| [i.a, i.b]);
+            for side in sides.chain(ends).filter(|s| s.block == n && s.face == face) {
+                for q in side.window.lo[1]..side.window.hi[1] {
+                    for p in side.window.lo[0]..side.window.hi[0] {
+                        seen[p + np * q] += 1;
+                    }
+                }
+            }
+            assert!(seen.iter().all(|&s| s == 1), "block {n} {face}");
+        }
+    }
+}
+
+#[test]
+fn area_vectors_close_every_cell() {
+    let grid = shaken([6, 5, 7], 0.9);
+    let m = Metrics::new(&grid.blocks[0]);
+    let largest = m.si.iter().flatten().fold(0.0f64, |a, b| a.max(b.abs()));
+    for k in 0..7 {
+        for j in 0..5 {
+            for i in 0..6 {
+                assert!(norm(m.closure([6, 5, 7], i, j, k)) < 4e-16 * largest.max(1.0));
+            }
+        }
+    }
+}
+
+#[test]
+fn volumes_sum_to_the_box_whatever_the_nodes_inside() {
+    for grid in [
+        shaken([6, 5, 7], 0.3),
+        BoxGrid::new([0.0; 3], [1.0; 3], [9, 8, 7]).wavy(0.05).make(),
+    ] {
+        let m = Metrics::new(&grid.blocks[0]);
+        assert!(m.volume.iter().all(|&v| v > 0.0));
+        assert!((m.volume.iter().sum::<f64>() - 1.0).abs() < 1e-14);
+    }
+}
+
+/// The volume is the integral of x . dS / 3 over the six bilinear faces, here with 2 x 2 Gauss points, which are exact
+/// for it (x . dS is of second degree in each parameter).
+#[test]
+fn volume_is_the_surface_integral_over_bilinear_faces() {
+    let mut noise = Noise(3);
+    let mut c = [[0.0; 3]; 8];
+    for (n, corner) in c.iter_mut().enumerate() {
+        for d in 0..3 {
+            corner[d] = ((n >> d) & 1) as f64 + 0.4 * noise.next();
+        }
+    }
+    let faces = [
+        [0, 4, 6, 2],
+        [1, 3, 7, 5],
+        [0, 1, 5, 4],
+        [2, 6, 7, 3],
+        [0, 2, 3, 1],
+        [4, 5, 7, 6],
+    ];
+    let mut volume = 0.0;
+    let mut total = [0.0; 3];
+    for face in faces {
+        let [a, b, e, d] = face.map(|n| c[n]);
+        total = add(total, face_area(a, b, e, d));
+        let g = 0.5 / 3.0f64.sqrt();
+        for u in [0.5 - g, 0.5 + g] {
+            for v in [0.5 - g, 0.5 + g] {
+                let at = |m: usize| {
+                    a[m] * (1.0 - u) * (1.0 - v) + b[m] * u * (1.0 - v) + e[m] * u * v + d[m] * (1.0 - u) * v
+                };
+                let du = |m: usize| (b[m] - a[m]) * (1.0 - v) + (e[m] - d[m]) * v;
+                let dv = |m: usize| (d[m] - a[m]) * (1.0 - u) + (e[m] - b[m]) * u;
+                let x = [at(0), at(1), at(2)];
+                volume += 0.25 / 3.0 * dot(x, cross([du(0), du(1), du(2)], [dv(0), dv(1), dv(2)]));
+            }
+        }
+    }
+    assert!(norm(total) < 1e-15);
+    assert!(
+        (hexahedron_volume(&c) - volume).abs() < 1e-14,
+        "{} {volume}",
+        hexahedron_volume(&c)
+    );
+}
+
+#[test]
+fn a_shared_face_has_the_same_bits_from_both_sides() {
+    let mut grid = shaken([8, 6, 5], 0.4);
+    split::split_block(&mut grid, 0, 0, 3);
+    split::split_block(&mut grid, 1, 1, 2);
+    // Every right-handed renumbering of block 1 (24 of the 48).
+    for axes in [[0, 1, 2], [1, 2, 0], [2, 0, 1], [1, 0, 2], [0, 2, 1], [2, 1, 0]] {
+        for bits in 0..8 {
+            let reverse = [bits & 1 != 0, bits & 2 != 0, bits & 4 != 0];
+            let mut turned = grid.clone();
+            reorient::reorient(&mut turned, 1, axes, reverse);
+            assert_fits(&turned);
+            for interface in &turned.topology.interfaces {
+                let area = |side: dip_grid::Side, p: usize, q: usize| {
+                    let block = &turned.blocks[side.block];
+                    let node = |dp, dq| block.point_at(block.node_behind(side.face, p + dp, q + dq, 0));
+                    face_area(node(0, 0), node(1, 0), node(1, 1), node(0, 1))
+                };
+                let w = interface.a.window;
+                for q in w.lo[1]..w.hi[1] {
+                    for p in w.lo[0]..w.hi[0] {
+                        let sa = area(interface.a, p, q);
+                        let [pb, qb] = interface.cell_on_b(p, q);
+                        let sb = area(interface.b, pb, qb);
+                        assert!(sa == sb || sa == sb.map(|v| -v));
+                    }
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn orientations_form_the_group_of_the_square() {
+    let size = [4, 7];
+    for first in Orientation::ALL {
+        let mid = first.size(size);
+        for second in Orientation::ALL {
+            let end = second.size(mid);
+            for p in 0..size[0] {
+                for q in 0..size[1] {
+                    let step = second.map(first.map([p, q], mid), end);
+                    assert_eq!(first.then(second).map([p, q], end), step);
+                }
+            }
+        }
+        assert_eq!(first.then(first.inverse()), Orientation::default());
+    }
+}
+
+#[test]
+fn splitting_keeps_every_node_interface_and_patch() {
+    let whole = BoxGrid::new([0.0; 3], [2.0, 1.0, 1.0], [12, 8, 6])
+        .wavy(0.04)
+        .periodic([true, false, true])
+        .make();
+    assert_fits(&whole);
+    for count in [2, 3, 5, 8, 13] {
+        let mut grid = whole.clone();
+        split::split_into(&mut grid, count);
+        assert_eq!(grid.blocks.len(), count);
+        assert_eq!(grid.cell_count(), whole.cell_count());
+        assert_fits(&grid);
+        let volume: f64 = grid.blocks.iter().flat_map(|b| Metrics::new(b).volume).sum();
+        assert!((volume - 2.0).abs() < 1e-13);
+        let mut names: Vec<_> = grid.blocks.iter().map(|b| b.name.clone()).collect();
+        names.sort();
+        names.dedup();
+        assert_eq!(names.len(), count);
+    }
+}
