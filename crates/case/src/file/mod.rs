@@ -1,0 +1,27 @@
+//! One type for each kind of case file. Every key has a doc comment; the JSON Schemas are made from these types.
+
+mod flutter;
+mod structure;
+mod study;
+mod wing;
+
+pub use flutter::{
+    Approximation, ControlSurfaceTable, FlutterFile, FlutterTable, KernelKind, LatticeTable, Method, ModesTable,
+    Points, ReferenceTable, Search, SplineKind, SplineTable, SurfaceTable, Symmetry,
+};
+pub use structure::{
+    Clamp, MassModel, MassTable, MaterialTable, Normalization, PlateTable, SpringTable, StructureFile, StructureModes,
+    SupportTable, ThicknessRule,
+};
+pub use study::{CurveKind, CurveTable, PublishedTable, StudyFile};
+pub use wing::{SectionTable, WingFile};
+
+/// The JSON Schema of each kind of file, by file name.
+pub fn schemas() -> Vec<(&'static str, schemars::Schema)> {
+    vec![
+        ("wing", schemars::schema_for!(WingFile)),
+        ("structure", schemars::schema_for!(StructureFile)),
+        ("flutter", schemars::schema_for!(FlutterFile)),
+        ("study", schemars::schema_for!(StudyFile)),
+    ]
+}
