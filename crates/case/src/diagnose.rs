@@ -61,7 +61,7 @@ impl CaseError {
         Self {
             message: message.into(),
             help,
-            place: Some(place),
+            place: Some(Box::new(place)),
         }
     }
 
