@@ -1,5 +1,16 @@
 //! The commands of `pmb`, `dlm` and `dip`.
+//!
+//! One file for each command; [`options`] has what they share, [`output`] where results go, [`exit`] how they end.
 
+mod assemble;
 pub mod dip;
 pub mod dlm;
+mod exit;
+mod options;
+mod output;
 pub mod pmb;
+mod progress;
+mod stamp;
+
+/// What `--version` prints: version and commit.
+const VERSION: &str = concat!(env!("CARGO_PKG_VERSION"), " (", env!("DIP_COMMIT"), ")");
