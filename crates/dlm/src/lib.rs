@@ -22,6 +22,7 @@ pub mod kernel;
 pub mod lattice;
 mod matrix;
 pub mod motion;
+pub mod spline;
 
 pub use faer::c64;
 pub use matrix::ComplexMatrix;

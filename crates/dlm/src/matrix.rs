@@ -79,7 +79,7 @@ impl ComplexMatrix {
 
     /// Frobenius norm.
     pub fn norm(&self) -> f64 {
-        self.data.iter().map(|z| z.norm_sqr()).sum::<f64>().sqrt()
+        self.data.iter().map(c64::norm_sqr).sum::<f64>().sqrt()
     }
 
     /// Product with a matrix.

@@ -102,8 +102,7 @@ impl Lattice {
     fn check_area(&self, found: &mut Vec<Finding>) {
         let typical = self.area() / self.n_boxes() as f64;
         let small: Vec<usize> = (0..self.n_boxes())
-            // Not "<": a NaN is also a bad area.
-            .filter(|&i| !(self.boxes()[i].area > 1e-9 * typical))
+            .filter(|&i| self.boxes()[i].area.is_nan() || self.boxes()[i].area <= 1e-9 * typical)
             .collect();
         if let Some(&worst) = small.first() {
             found.push(Finding {
