@@ -1,0 +1,546 @@
+//! The bulk data section: every entry read into its type, or noted, or refused by name and line.
+
+use std::{
+    cell::RefCell,
+    collections::{BTreeMap, BTreeSet},
+};
+
+use crate::{
+    cards::{
+        aero::{
+            Aero, BeamSpline, Body, ControlSurface, IdList, Panel, PanelProperty, RealList, SteadyAero, StripPanel,
+            StripProperty, SurfaceSpline,
+        },
+        constraint::{DofSet, Equation, Interpolation, RigidBar, RigidBody},
+        control::{DampingTable, Factors, Flutter, MachK, ModesRequest, Parameter},
+        element::{Bar, BarDefaults, Genel, Rod, Scalar, Shell},
+        geometry::{Coordinate, CoordinateKind, Grid, GridDefaults},
+        mass::{MassMatrix, PointMass},
+        matrix::{DofMatrices, DofMatrix, PlainMatrices, PlainMatrix},
+        property::{BarSection, Material, RodSection, ScalarProperty, ShellSection},
+    },
+    entry::Entry,
+    error::{DeckError, Location, Note, Severity},
+    fields::Card,
+};
+
+/// All entries of the bulk data section by type and number.
+#[derive(Debug, Clone, Default)]
+#[allow(
+    missing_docs,
+    reason = "each field is named after the cards it holds, which its type documents"
+)]
+pub struct Bulk {
+    pub grids: BTreeMap<u32, Grid>,
+    pub scalar_points: BTreeSet<u32>,
+    pub coordinates: BTreeMap<u32, Coordinate>,
+    pub materials: BTreeMap<u32, Material>,
+    pub bar_sections: BTreeMap<u32, BarSection>,
+    pub rod_sections: BTreeMap<u32, RodSection>,
+    pub shell_sections: BTreeMap<u32, ShellSection>,
+    pub spring_values: BTreeMap<u32, ScalarProperty>,
+    pub mass_values: BTreeMap<u32, ScalarProperty>,
+    pub damper_values: BTreeMap<u32, ScalarProperty>,
+    pub bars: BTreeMap<u32, Bar>,
+    pub rods: BTreeMap<u32, Rod>,
+    pub shells: BTreeMap<u32, Shell>,
+    pub springs: BTreeMap<u32, Scalar>,
+    pub scalar_masses: BTreeMap<u32, Scalar>,
+    pub dampers: BTreeMap<u32, Scalar>,
+    pub genels: BTreeMap<u32, Genel>,
+    pub mass_matrices: BTreeMap<u32, MassMatrix>,
+    pub point_masses: BTreeMap<u32, PointMass>,
+    pub rigid_bodies: BTreeMap<u32, RigidBody>,
+    pub rigid_bars: BTreeMap<u32, RigidBar>,
+    pub interpolations: BTreeMap<u32, Interpolation>,
+    /// MPC equations by set.
+    pub equations: BTreeMap<u32, Vec<Equation>>,
+    /// MPCADD: set and the sets it unites.
+    pub equation_unions: BTreeMap<u32, IdList>,
+    /// SPC and SPC1 by set.
+    pub constraints: BTreeMap<u32, Vec<DofSet>>,
+    /// SPCADD: set and the sets it unites.
+    pub constraint_unions: BTreeMap<u32, IdList>,
+    pub analysis_sets: Vec<DofSet>,
+    pub omitted_sets: Vec<DofSet>,
+    pub supports: Vec<DofSet>,
+    /// SUPORT1 by set.
+    pub support_sets: BTreeMap<u32, Vec<DofSet>>,
+    pub modes_requests: BTreeMap<u32, ModesRequest>,
+    pub aero: Option<Aero>,
+    pub steady_aero: Option<SteadyAero>,
+    pub panels: BTreeMap<u32, Panel>,
+    pub panel_properties: BTreeMap<u32, PanelProperty>,
+    pub bodies: BTreeMap<u32, Body>,
+    pub strip_panels: BTreeMap<u32, StripPanel>,
+    pub strip_properties: BTreeMap<u32, StripProperty>,
+    pub real_lists: BTreeMap<u32, RealList>,
+    pub box_lists: BTreeMap<u32, IdList>,
+    pub point_sets: BTreeMap<u32, IdList>,
+    pub control_surfaces: BTreeMap<u32, ControlSurface>,
+    pub surface_splines: BTreeMap<u32, SurfaceSpline>,
+    pub beam_splines: BTreeMap<u32, BeamSpline>,
+    /// Mach numbers and reduced frequencies in the order of the cards, repeated pairs left out.
+    pub mach_k: Vec<MachK>,
+    pub flutters: BTreeMap<u32, Flutter>,
+    pub factors: BTreeMap<u32, Factors>,
+    pub damping_tables: BTreeMap<u32, DampingTable>,
+    pub parameters: BTreeMap<String, Parameter>,
+    pub dof_matrices: BTreeMap<String, DofMatrix>,
+    pub plain_matrices: BTreeMap<String, PlainMatrix>,
+}
+
+/// Cards without effect on modes or flutter: loads, responses, optimization, static aeroelasticity, output.
+const WITHOUT_EFFECT: &[&str] = &[
+    "FORCE", "FORCE1", "FORCE2", "MOMENT", "MOMENT1", "MOMENT2", "PLOAD", "PLOAD1", "PLOAD2", "PLOAD4", "LOAD", "GRAV",
+    "ACCEL", "ACCEL1", "RFORCE", "TEMP", "TEMPD", "TEMPP1", "TEMPRB", "SLOAD", "SPCD", "LSEQ", "TLOAD1", "TLOAD2",
+    "RLOAD1", "RLOAD2", "DLOAD", "DAREA", "DELAY", "DPHASE", "GUST", "RANDPS", "RANDT1", "TABRND1", "TABRNDG",
+    "TABLED1", "TABLED2", "TABLED3", "TABLED4", "TABLEM1", "FREQ", "FREQ1", "FREQ2", "FREQ3", "FREQ4", "FREQ5",
+    "TSTEP", "TSTEPNL", "TIC", "EIGC", "EIGP", "EIGB", "TRIM", "TRIM2", "AESTAT", "AELINK", "AEPARM", "AEFORCE",
+    "AEPRESS", "AECOMP", "AECOMPL", "CSSCHD", "DIVERG", "MONPNT1", "MONPNT2", "MONPNT3", "MONDSP1", "MONSUM", "UXVEC",
+    "AEDW", "AESCALE", "PLOTEL", "DESVAR", "DVPREL1", "DVPREL2", "DVMREL1", "DVCREL1", "DRESP1", "DRESP2", "DRESP3",
+    "DCONSTR", "DCONADD", "DEQATN", "DOPTPRM", "DLINK", "DTABLE", "DSCREEN", "MDLPRM", "BSURF", "BSURFS", "BCTABLE",
+    "NLPARM", "DTI", "VIEW", "VIEW3D", "RADM", "CORDM", "SWLDPRM", "MATT1", "MATT8", "MATS1", "CREEP", "SET3",
+    "TOPVAR",
+];
+
+/// Parameters that change a flutter solution; all others are noted as without effect.
+const USED_PARAMETERS: &[&str] = &[
+    "COUPMASS", "WTMASS", "LMODES", "LFREQ", "HFREQ", "VREF", "KDAMP", "G", "W3", "W4", "AUTOSPC", "K6ROT", "GRDPNT",
+    "OPPHIPA", "MACH", "Q",
+];
+
+/// Cards that change the model, with what to do instead.
+const UNSUPPORTED: &[(&str, &str)] = &[
+    ("CBUSH", "use CELAS1 or CELAS2"),
+    ("PBUSH", "use PELAS"),
+    ("CBEND", "use CBARs along the arc"),
+    ("CTUBE", "use CROD with PROD"),
+    ("PTUBE", "use PROD"),
+    ("CSHEAR", "use CQUAD4 with a membrane material"),
+    ("PSHEAR", "use PSHELL"),
+    ("PCOMP", "give membrane and bending matrices by PSHELL with MAT2"),
+    ("PCOMPG", "give membrane and bending matrices by PSHELL with MAT2"),
+    ("CQUAD8", "use CQUAD4"),
+    ("CTRIA6", "use CTRIA3"),
+    ("CQUADR", "use CQUAD4"),
+    ("CTRIAR", "use CTRIA3"),
+    ("CHEXA", "give the structure's modes in a mode file instead"),
+    ("CPENTA", "give the structure's modes in a mode file instead"),
+    ("CTETRA", "give the structure's modes in a mode file instead"),
+    ("CPYRAM", "give the structure's modes in a mode file instead"),
+    ("PSOLID", "give the structure's modes in a mode file instead"),
+    ("PBEAML", "give the section's area and moments on PBEAM or PBAR"),
+    ("PBCOMP", "give the section's area and moments on PBEAM or PBAR"),
+    ("RBE1", "use RBE2 or MPC"),
+    ("RROD", "use RBAR or MPC"),
+    ("RTRPLT", "use RBE2"),
+    ("RSPLINE", "use RBE3 or MPC"),
+    ("RJOINT", "use MPC"),
+    (
+        "CAERO3",
+        "supersonic panels are not computed; Mach numbers must be below one",
+    ),
+    (
+        "CAERO5",
+        "piston theory is not computed; Mach numbers must be below one",
+    ),
+    ("PAERO3", "supersonic panels are not computed"),
+    ("PAERO5", "piston theory is not computed"),
+    ("CAERO7", "this is a ZAERO card; use CAERO1"),
+    (
+        "PAERO2",
+        "slender bodies are not computed; model the body by crossed CAERO1 panels or leave it out",
+    ),
+    ("SPLINE3", "use SPLINE1 or SPLINE2"),
+    ("SPLINE6", "use SPLINE1 or SPLINE4"),
+    ("SPLINE7", "use SPLINE2 or SPLINE5"),
+    ("SPLINEX", "use SPLINE1 or SPLINE2"),
+    ("SPLINRB", "use SPLINE1 or SPLINE2"),
+    ("SET2", "list the points on SET1"),
+    ("BSET", "use ASET"),
+    ("BSET1", "use ASET1"),
+    ("CSET", "use ASET"),
+    ("CSET1", "use ASET1"),
+    ("QSET", "component modes are not computed"),
+    ("QSET1", "component modes are not computed"),
+    ("SESET", "superelements are not computed"),
+    ("EPOINT", "extra points are not used in flutter here"),
+    ("TF", "transfer functions are not used in flutter here"),
+    ("DMIAX", "use DMIG"),
+    ("NSM", "use the NSM field of the property"),
+    ("NSM1", "use the NSM field of the property"),
+    ("NSML", "use the NSM field of the property"),
+    ("NSML1", "use the NSM field of the property"),
+    ("NSMADD", "use the NSM field of the property"),
+    ("MAT3", "use MAT1 or MAT8"),
+    ("MAT9", "use MAT1 or MAT8"),
+    ("CVISC", "use CDAMP2"),
+    ("CDAMP5", "use CDAMP2"),
+];
+
+/// Names that are read; used for the nearest-name hint.
+const READ: &[&str] = &[
+    "GRID", "GRDSET", "SPOINT", "CORD1R", "CORD1C", "CORD1S", "CORD2R", "CORD2C", "CORD2S", "MAT1", "MAT2", "MAT8",
+    "PBAR", "PBARL", "PBEAM", "PROD", "PSHELL", "PELAS", "PMASS", "PDAMP", "BAROR", "BEAMOR", "CBAR", "CBEAM", "CROD",
+    "CONROD", "CQUAD4", "CTRIA3", "CELAS1", "CELAS2", "CELAS3", "CELAS4", "CMASS1", "CMASS2", "CMASS3", "CMASS4",
+    "CDAMP1", "CDAMP2", "CDAMP3", "CDAMP4", "GENEL", "CONM1", "CONM2", "RBE2", "RBAR", "RBE3", "MPC", "MPCADD", "SPC",
+    "SPC1", "SPCADD", "ASET", "ASET1", "OMIT", "OMIT1", "SUPORT", "SUPORT1", "EIGR", "EIGRL", "AERO", "AEROS",
+    "CAERO1", "CAERO2", "CAERO4", "PAERO1", "PAERO4", "AEFACT", "AELIST", "AESURF", "SET1", "SPLINE1", "SPLINE2",
+    "SPLINE4", "SPLINE5", "MKAERO1", "MKAERO2", "FLUTTER", "FLFACT", "TABDMP1", "PARAM", "DMI", "DMIG",
+];
+
+impl Bulk {
+    /// Reads all entries.
+    ///
+    /// # Errors
+    /// Every entry that cannot be read or used.
+    pub fn read(entries: &[Entry], notes: &mut Vec<Note>) -> Result<Self, Vec<DeckError>> {
+        let sink = RefCell::new(Vec::new());
+        let mut errors = Vec::new();
+        let mut reader = Reader::default();
+        for entry in entries {
+            let card = Card::new(entry, &sink);
+            match entry.name.as_str() {
+                "GRDSET" => keep(GridDefaults::read(&card), &mut reader.grid_defaults, &mut errors),
+                "BAROR" => keep(BarDefaults::read(&card), &mut reader.bar_defaults, &mut errors),
+                "BEAMOR" => keep(BarDefaults::read(&card), &mut reader.beam_defaults, &mut errors),
+                _ => {}
+            }
+        }
+        for entry in entries {
+            if let Err(error) = reader.take(&Card::new(entry, &sink)) {
+                errors.push(error);
+            }
+        }
+        notes.extend(sink.into_inner());
+        let mut bulk = reader.bulk;
+        match reader.dof_matrices.finish() {
+            Ok(found) => bulk.dof_matrices = found,
+            Err(error) => errors.push(error),
+        }
+        match reader.plain_matrices.finish() {
+            Ok(found) => bulk.plain_matrices = found,
+            Err(error) => errors.push(error),
+        }
+        if errors.is_empty() { Ok(bulk) } else { Err(errors) }
+    }
+}
+
+fn keep<T>(read: Result<T, DeckError>, place: &mut T, errors: &mut Vec<DeckError>) {
+    match read {
+        Ok(value) => *place = value,
+        Err(error) => errors.push(error),
+    }
+}
+
+#[derive(Default)]
+struct Reader {
+    bulk: Bulk,
+    grid_defaults: GridDefaults,
+    bar_defaults: BarDefaults,
+    beam_defaults: BarDefaults,
+    dof_matrices: DofMatrices,
+    plain_matrices: PlainMatrices,
+}
+
+/// What the maps of [`Bulk`] need to know of a card.
+trait Numbered {
+    fn id(&self) -> u32;
+    fn at(&self) -> &Location;
+}
+
+macro_rules! numbered {
+    ($($card:ty),* $(,)?) => {
+        $(impl Numbered for $card {
+            fn id(&self) -> u32 {
+                self.id
+            }
+            fn at(&self) -> &Location {
+                &self.at
+            }
+        })*
+    };
+}
+
+numbered!(
+    Grid,
+    Coordinate,
+    Material,
+    BarSection,
+    RodSection,
+    ShellSection,
+    ScalarProperty,
+    Bar,
+    Rod,
+    Shell,
+    Scalar,
+    Genel,
+    MassMatrix,
+    PointMass,
+    RigidBody,
+    RigidBar,
+    Interpolation,
+    IdList,
+    ModesRequest,
+    Panel,
+    PanelProperty,
+    Body,
+    StripPanel,
+    StripProperty,
+    RealList,
+    ControlSurface,
+    SurfaceSpline,
+    BeamSpline,
+    Flutter,
+    Factors,
+    DampingTable,
+);
+
+fn put<T: Numbered>(map: &mut BTreeMap<u32, T>, card: &Card, value: T) -> Result<(), DeckError> {
+    if let Some(first) = map.get(&value.id()) {
+        return Err(DeckError::Duplicate {
+            at: value.at().clone(),
+            card: card.name().to_owned(),
+            id: i64::from(value.id()),
+            first: first.at().clone(),
+        });
+    }
+    map.insert(value.id(), value);
+    Ok(())
+}
+
+impl Reader {
+    /// One entry into its place.
+    fn take(&mut self, card: &Card) -> Result<(), DeckError> {
+        let b = &mut self.bulk;
+        match card.name() {
+            "GRDSET" | "BAROR" | "BEAMOR" => Ok(()),
+            "GRID" => put(&mut b.grids, card, Grid::read(card, &self.grid_defaults)?),
+            "SPOINT" => {
+                b.scalar_points.extend(card.ids(0, "ID")?);
+                Ok(())
+            }
+            "CORD2R" | "CORD2C" | "CORD2S" => {
+                let kind = kind_of(card.name());
+                put(&mut b.coordinates, card, Coordinate::read_by_points(card, kind)?)
+            }
+            "CORD1R" | "CORD1C" | "CORD1S" => {
+                for system in Coordinate::read_by_grids(card, kind_of(card.name()))? {
+                    put(&mut b.coordinates, card, system)?;
+                }
+                Ok(())
+            }
+            "MAT1" => put(&mut b.materials, card, Material::read_isotropic(card)?),
+            "MAT2" => put(&mut b.materials, card, Material::read_anisotropic(card)?),
+            "MAT8" => put(&mut b.materials, card, Material::read_orthotropic(card)?),
+            "PBAR" => put(&mut b.bar_sections, card, BarSection::read_bar(card)?),
+            "PBARL" => put(&mut b.bar_sections, card, BarSection::read_library(card)?),
+            "PBEAM" => put(&mut b.bar_sections, card, BarSection::read_beam(card)?),
+            "PROD" => put(&mut b.rod_sections, card, RodSection::read(card)?),
+            "PSHELL" => put(&mut b.shell_sections, card, ShellSection::read(card)?),
+            "PELAS" => put_all(&mut b.spring_values, card, ScalarProperty::read_springs(card)?),
+            "PMASS" => put_all(&mut b.mass_values, card, ScalarProperty::read_pairs(card)?),
+            "PDAMP" => put_all(&mut b.damper_values, card, ScalarProperty::read_pairs(card)?),
+            "CBAR" => put(&mut b.bars, card, Bar::read(card, &self.bar_defaults)?),
+            "CBEAM" => put(&mut b.bars, card, Bar::read(card, &self.beam_defaults)?),
+            "CROD" => put(&mut b.rods, card, Rod::read(card)?),
+            "CONROD" => put(&mut b.rods, card, Rod::read_own(card)?),
+            "CQUAD4" | "CTRIA3" => put(&mut b.shells, card, Shell::read(card)?),
+            "CELAS1" => put(&mut b.springs, card, Scalar::read_1(card)?),
+            "CELAS2" => put(&mut b.springs, card, Scalar::read_2(card)?),
+            "CELAS3" | "CELAS4" => put_scalar_points(&mut b.springs, card),
+            "CMASS1" => put(&mut b.scalar_masses, card, Scalar::read_1(card)?),
+            "CMASS2" => put(&mut b.scalar_masses, card, Scalar::read_2(card)?),
+            "CMASS3" | "CMASS4" => put_scalar_points(&mut b.scalar_masses, card),
+            "CDAMP1" => put(&mut b.dampers, card, Scalar::read_1(card)?),
+            "CDAMP2" => put(&mut b.dampers, card, Scalar::read_2(card)?),
+            "CDAMP3" | "CDAMP4" => put_scalar_points(&mut b.dampers, card),
+            "GENEL" => put(&mut b.genels, card, Genel::read(card)?),
+            "CONM1" => put(&mut b.mass_matrices, card, MassMatrix::read(card)?),
+            "CONM2" => put(&mut b.point_masses, card, PointMass::read(card)?),
+            "RBE2" => put(&mut b.rigid_bodies, card, RigidBody::read(card)?),
+            "RBAR" => put(&mut b.rigid_bars, card, RigidBar::read(card)?),
+            "RBE3" => put(&mut b.interpolations, card, Interpolation::read(card)?),
+            "MPC" => {
+                let equation = Equation::read(card)?;
+                b.equations.entry(equation.set).or_default().push(equation);
+                Ok(())
+            }
+            "MPCADD" => put(&mut b.equation_unions, card, IdList::read(card)?),
+            "SPC" => {
+                b.constraints
+                    .entry(card.id(0, "SID")?)
+                    .or_default()
+                    .extend(DofSet::read_spc(card)?);
+                Ok(())
+            }
+            "SPC1" => {
+                b.constraints
+                    .entry(card.id(0, "SID")?)
+                    .or_default()
+                    .push(DofSet::read_list(card, 1)?);
+                Ok(())
+            }
+            "SPCADD" => put(&mut b.constraint_unions, card, IdList::read(card)?),
+            "ASET" => {
+                b.analysis_sets.extend(DofSet::read_pairs(card, 0)?);
+                Ok(())
+            }
+            "ASET1" => {
+                b.analysis_sets.push(DofSet::read_list(card, 0)?);
+                Ok(())
+            }
+            "OMIT" => {
+                b.omitted_sets.extend(DofSet::read_pairs(card, 0)?);
+                Ok(())
+            }
+            "OMIT1" => {
+                b.omitted_sets.push(DofSet::read_list(card, 0)?);
+                Ok(())
+            }
+            "SUPORT" => {
+                b.supports.extend(DofSet::read_pairs(card, 0)?);
+                Ok(())
+            }
+            "SUPORT1" => {
+                b.support_sets
+                    .entry(card.id(0, "SID")?)
+                    .or_default()
+                    .extend(DofSet::read_pairs(card, 1)?);
+                Ok(())
+            }
+            "EIGR" => put(&mut b.modes_requests, card, ModesRequest::read_eigr(card)?),
+            "EIGRL" => put(&mut b.modes_requests, card, ModesRequest::read_eigrl(card)?),
+            "PARAM" => take_parameter(b, card),
+            "DMIG" => self.dof_matrices.read(card),
+            "DMI" => self.plain_matrices.read(card),
+            _ => self.take_aero(card),
+        }
+    }
+
+    /// The entries of aerodynamics and flutter, and those that are noted or refused.
+    fn take_aero(&mut self, card: &Card) -> Result<(), DeckError> {
+        let b = &mut self.bulk;
+        match card.name() {
+            "AERO" => {
+                let aero = Aero::read(card)?;
+                if let Some(first) = &b.aero {
+                    return Err(card.error(format!("a deck has one AERO card; the first stands at {}", first.at)));
+                }
+                b.aero = Some(aero);
+                Ok(())
+            }
+            "AEROS" => {
+                b.steady_aero = Some(SteadyAero::read(card)?);
+                Ok(())
+            }
+            "CAERO1" => put(&mut b.panels, card, Panel::read(card)?),
+            "PAERO1" => put(&mut b.panel_properties, card, PanelProperty::read(card)?),
+            "CAERO2" => {
+                put(&mut b.bodies, card, Body::read(card)?)?;
+                Err(card.unsupported(
+                    "slender bodies are not computed; model the body by crossed CAERO1 panels or leave it out",
+                ))
+            }
+            "CAERO4" => put(&mut b.strip_panels, card, StripPanel::read(card)?),
+            "PAERO4" => put(&mut b.strip_properties, card, StripProperty::read(card)?),
+            "AEFACT" => put(&mut b.real_lists, card, RealList::read(card)?),
+            "AELIST" => put(&mut b.box_lists, card, IdList::read(card)?),
+            "AESURF" => put(&mut b.control_surfaces, card, ControlSurface::read(card)?),
+            "SET1" => put(&mut b.point_sets, card, IdList::read(card)?),
+            "SPLINE1" | "SPLINE4" => put(&mut b.surface_splines, card, SurfaceSpline::read(card)?),
+            "SPLINE2" | "SPLINE5" => put(&mut b.beam_splines, card, BeamSpline::read(card)?),
+            "MKAERO1" => take_mach_k(b, MachK::read_combinations(card)?),
+            "MKAERO2" => take_mach_k(b, MachK::read_pairs(card)?),
+            "FLUTTER" => put(&mut b.flutters, card, Flutter::read(card)?),
+            "FLFACT" => put(&mut b.factors, card, Factors::read(card)?),
+            "TABDMP1" => put(&mut b.damping_tables, card, DampingTable::read(card)?),
+            name if WITHOUT_EFFECT.contains(&name) => {
+                card.note(Severity::Ignored, "has no effect on modes or flutter");
+                Ok(())
+            }
+            name => Err(match UNSUPPORTED.iter().find(|(n, _)| *n == name) {
+                Some((_, hint)) => card.unsupported(*hint),
+                None => card.unsupported(match nearest(name) {
+                    Some(near) => format!("no such card is known; did you mean {near}?"),
+                    None => "no such card is known; remove it if it does not change the model".to_owned(),
+                }),
+            }),
+        }
+    }
+}
+
+fn put_all(map: &mut BTreeMap<u32, ScalarProperty>, card: &Card, values: Vec<ScalarProperty>) -> Result<(), DeckError> {
+    values.into_iter().try_for_each(|value| put(map, card, value))
+}
+
+/// CELAS3 and its like may hold one element; CELAS3, CMASS3 and CDAMP3 of old decks two, of four fields each.
+fn put_scalar_points(map: &mut BTreeMap<u32, Scalar>, card: &Card) -> Result<(), DeckError> {
+    if card.has(4) {
+        return Err(card.unsupported("two elements on one card; write each on its own"));
+    }
+    put(map, card, Scalar::read_scalar_points(card, card.name().ends_with('4'))?)
+}
+
+fn take_mach_k(bulk: &mut Bulk, pairs: Vec<MachK>) -> Result<(), DeckError> {
+    for pair in pairs {
+        if !bulk.mach_k.contains(&pair) {
+            bulk.mach_k.push(pair);
+        }
+    }
+    Ok(())
+}
+
+fn take_parameter(bulk: &mut Bulk, card: &Card) -> Result<(), DeckError> {
+    let parameter = Parameter::read(card)?;
+    if !USED_PARAMETERS.contains(&parameter.name.as_str()) {
+        card.note(
+            Severity::Ignored,
+            format!("{} has no effect on modes or flutter", parameter.name),
+        );
+    }
+    if let Some(first) = bulk.parameters.get(&parameter.name)
+        && first.value != parameter.value
+    {
+        return Err(card.error(format!(
+            "{} is {} here and {} at {}; keep one",
+            parameter.name, parameter.value, first.value, first.at
+        )));
+    }
+    bulk.parameters.insert(parameter.name.clone(), parameter);
+    Ok(())
+}
+
+fn kind_of(name: &str) -> CoordinateKind {
+    match name.as_bytes().last() {
+        Some(b'C') => CoordinateKind::Cylindrical,
+        Some(b'S') => CoordinateKind::Spherical,
+        _ => CoordinateKind::Rectangular,
+    }
+}
+
+/// The known name that differs by at most two letters.
+fn nearest(name: &str) -> Option<&'static str> {
+    READ.iter()
+        .map(|known| (distance(name, known), *known))
+        .filter(|(d, _)| *d <= 2)
+        .min()
+        .map(|(_, known)| known)
+}
+
+/// Levenshtein's distance.
+fn distance(a: &str, b: &str) -> usize {
+    let b: Vec<char> = b.chars().collect();
+    let mut row: Vec<usize> = (0..=b.len()).collect();
+    for (i, ca) in a.chars().enumerate() {
+        let mut diagonal = row[0];
+        row[0] = i + 1;
+        for (j, cb) in b.iter().enumerate() {
+            let up = row[j + 1];
+            row[j + 1] = (diagonal + usize::from(ca != *cb)).min(up + 1).min(row[j] + 1);
+            diagonal = up;
+        }
+    }
+    row[b.len()]
+}
