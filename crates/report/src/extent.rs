@@ -159,7 +159,8 @@ pub(crate) fn limits(chart: &Chart, which: Which, span: Span, count: usize) -> R
                 ticks::linear_limits(lo, hi, count)
             }
         }
-        Scale::Linear => ticks::linear_limits(span.lo, span.hi, count),
+        // Curves run from side to side, but keep off the top and the bottom.
+        Scale::Linear => ticks::linear_limits(span.lo, span.hi, count, if which == Which::X { 0.0 } else { 0.02 }),
         Scale::Log => ticks::log_limits(span.lo, span.hi),
     })
 }

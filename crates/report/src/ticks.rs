@@ -56,22 +56,23 @@ fn value_of(digits: i128, exponent: i32) -> f64 {
     format!("{digits}e{exponent}").parse().unwrap_or(f64::NAN)
 }
 
-/// Limits for data between `lo` and `hi` on a linear axis: a little room on both sides, ending on half a step, and zero
-/// kept as an end where the data begins there.
-pub(crate) fn linear_limits(lo: f64, hi: f64, count: usize) -> (f64, f64) {
+/// Limits for data between `lo` and `hi` on a linear axis: `room` (a part of the span) on both sides, ending on half a
+/// step, and zero kept as an end where the data begins there.
+pub(crate) fn linear_limits(lo: f64, hi: f64, count: usize, room: f64) -> (f64, f64) {
     let (lo, hi) = apart(lo, hi);
-    let room = 0.02 * (hi - lo);
+    let room = room * (hi - lo);
     let (digit, exponent) = nice_step(hi - lo, count);
     let half = 0.5 * digit as f64 * power_of_ten(exponent);
+    // A hair of slack: data that ends on half a step by rounding does not get another one.
     let from = if lo == 0.0 {
         0.0
     } else {
-        ((lo - room) / half).floor() * half
+        ((lo - room) / half + 1e-9).floor() * half
     };
     let to = if hi == 0.0 {
         0.0
     } else {
-        ((hi + room) / half).ceil() * half
+        ((hi + room) / half - 1e-9).ceil() * half
     };
     // Non-negative data does not get a negative axis from its margin.
     (
@@ -138,61 +139,60 @@ pub(crate) fn linear(lo: f64, hi: f64, count: usize) -> Ticks {
 /// Ticks of a logarithmic axis from `lo` to `hi` (both positive) with about `count` labels.
 pub(crate) fn log(lo: f64, hi: f64, count: usize) -> Ticks {
     let (a, b) = (lo.log10(), hi.log10());
-    let (first, last) = ((a - 1e-9).ceil() as i32, (b + 1e-9).floor() as i32);
-    let decades = last - first;
+    let (first, last) = ((a - 1e-9).floor() as i32, (b + 1e-9).floor() as i32);
     let inside = |v: f64| v >= lo * (1.0 - 1e-9) && v <= hi * (1.0 + 1e-9);
-    if b - a < 0.7 {
-        // Within a decade the places of a linear axis read better; only positive ones can be meant.
+    if b - a < 2.0 {
+        let all: Vec<(i32, i32)> = (first..=last)
+            .flat_map(|e| (1..10).map(move |d| (d, e)))
+            .filter(|&(d, e)| inside(value(d, e)))
+            .collect();
+        for labelled in [&[1, 2, 5][..], &[1, 2, 3, 4, 6, 8]] {
+            let (major, minor): (Vec<_>, Vec<_>) = all.iter().partition(|(d, _)| labelled.contains(d));
+            if major.len() >= 3 {
+                return with_labels(&major, minor.iter().map(|&(d, e)| value(d, e)).collect());
+            }
+        }
+        // Well within a decade the places of a linear axis read better; only positive ones can be meant.
         let mut ticks = linear(lo, hi, count);
         ticks.major.retain(|(v, _)| *v > 0.0);
         ticks.minor.retain(|v| *v > 0.0);
         return ticks;
     }
-    let mut minor = Vec::new();
-    let mut major = Vec::new();
-    if decades < 2 {
-        for e in first - 1..=last {
-            for digit in 1..10 {
-                let v = value_of(digit, e);
-                if inside(v) {
-                    if matches!(digit, 1 | 2 | 5) {
-                        major.push((v, log_label(digit, e)));
-                    } else {
-                        minor.push(v);
-                    }
-                }
-            }
-        }
-        return Ticks { major, minor, power: 0 };
+    let stride = ((last - first).unsigned_abs() as usize).div_ceil(count.max(1)).max(1) as i32;
+    let decades = (first..=last).filter(|&e| inside(value(1, e)));
+    let (major, between): (Vec<_>, Vec<_>) = decades.map(|e| (1, e)).partition(|(_, e)| e.rem_euclid(stride) == 0);
+    let mut minor: Vec<f64> = between.iter().map(|&(d, e)| value(d, e)).collect();
+    if stride == 1 && b - a <= 8.0 {
+        minor.extend(
+            (first..=last)
+                .flat_map(|e| (2..10).map(move |d| value(d, e)))
+                .filter(|v| inside(*v)),
+        );
     }
-    let stride = (decades as usize).div_ceil(count.max(1)).max(1) as i32;
-    for e in first - 1..=last {
-        let v = power_of_ten(e);
-        if inside(v) {
-            if e.rem_euclid(stride) == 0 {
-                major.push((v, log_label(1, e)));
-            } else {
-                minor.push(v);
-            }
-        }
-        if stride == 1 && decades <= 8 {
-            minor.extend((2..10).map(|digit| value_of(digit, e)).filter(|v| inside(*v)));
-        }
-    }
-    Ticks { major, minor, power: 0 }
+    with_labels(&major, minor)
 }
 
-/// 0.01 .. 1000 as they stand, the rest as powers of ten.
-fn log_label(digit: i128, exponent: i32) -> String {
-    if (-2..=3).contains(&exponent) {
-        return decimal(digit, exponent);
+/// Labels for places `digit` x 10^`exponent`: plain numbers if all are between 0.001 and 1000, else all powers of ten.
+fn with_labels(places: &[(i32, i32)], minor: Vec<f64>) -> Ticks {
+    let plain = places.iter().all(|(_, e)| (-3..=3).contains(e));
+    let label = |digit: i32, exponent: i32| {
+        let power = format!("10^{{{}}}", decimal(i128::from(exponent), 0));
+        match (plain, digit) {
+            (true, _) => decimal(i128::from(digit), exponent),
+            (false, 1) => power,
+            (false, _) => format!("{digit}\u{b7}{power}"),
+        }
+    };
+    Ticks {
+        major: places.iter().map(|&(d, e)| (value(d, e), label(d, e))).collect(),
+        minor,
+        power: 0,
     }
-    let power = format!("10^{{{}}}", decimal(i128::from(exponent), 0));
-    if digit == 1 {
-        power
-    } else {
-        format!("{digit}\u{b7}{power}")
-    }
+}
+
+/// `digit` x 10^`exponent`, rounded once.
+fn value(digit: i32, exponent: i32) -> f64 {
+    value_of(i128::from(digit), exponent)
 }
 
 #[cfg(test)]
@@ -213,7 +213,7 @@ mod tests {
         for e in -12..=12 {
             for (a, b) in [(0.0, 1.0), (-3.7, 4.1), (0.93, 0.97), (-1.0, -0.2)] {
                 let scale = power_of_ten(e);
-                let (lo, hi) = linear_limits(a * scale, b * scale, 6);
+                let (lo, hi) = linear_limits(a * scale, b * scale, 6, 0.02);
                 assert!(lo <= a * scale && hi >= b * scale, "{lo} {hi} for {a}e{e}..{b}e{e}");
                 let ticks = linear(lo, hi, 6);
                 assert!((3..=14).contains(&ticks.major.len()), "{ticks:?}");
@@ -239,7 +239,7 @@ mod tests {
     #[test]
     fn equal_limits_are_moved_apart() {
         for v in [0.0, 1.0, -3.0, 1e-200, 1e200, 5e-324] {
-            let (lo, hi) = linear_limits(v, v, 6);
+            let (lo, hi) = linear_limits(v, v, 6, 0.02);
             assert!(
                 lo < hi && lo <= v && hi >= v && lo.is_finite() && hi.is_finite(),
                 "{v}: {lo} {hi}"
@@ -257,7 +257,9 @@ mod tests {
         assert_eq!((lo, hi), (1e-13, 1.0));
         let ticks = log(lo, hi, 7);
         assert!((4..=8).contains(&ticks.major.len()), "{ticks:?}");
-        assert!(ticks.major.iter().any(|(_, l)| l.starts_with("10^{\u{2212}")));
+        assert!(ticks.major.iter().all(|(_, l)| l.starts_with("10^{")), "{ticks:?}");
+        let whole = linear_limits(0.0, 10.0, 6, 0.0);
+        assert_eq!(whole, (0.0, 10.0));
         let short = log(1.0, 40.0, 6);
         let labels: Vec<_> = short.major.iter().map(|(_, l)| l.as_str()).collect();
         assert_eq!(labels, ["1", "2", "5", "10", "20"]);
