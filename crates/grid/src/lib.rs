@@ -6,7 +6,9 @@
 pub mod block;
 pub mod face;
 pub mod generate;
+pub mod geometry;
 pub mod metrics;
+pub mod quality;
 pub mod reorient;
 pub mod split;
 pub mod topology;

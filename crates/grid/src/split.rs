@@ -106,7 +106,7 @@ pub fn split_into(grid: &mut MultiBlock, count: usize) {
         let half = cells[axis] / 2;
         let step = [8, 4, 2]
             .into_iter()
-            .find(|&s| cells[axis] % s == 0 && half >= s)
+            .find(|&s| cells[axis].is_multiple_of(s) && half >= s)
             .unwrap_or(1);
         let at = (half / step).max(1) * step;
         split_block(grid, block, axis, at);

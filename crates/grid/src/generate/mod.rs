@@ -1,5 +1,70 @@
 //! Makes grids from geometry.
+//!
+//! Aerofoils and wings stand in analytic coordinates that wrap round them (see the `conformal` module's own notes):
+//! sections are mapped conformally, so that lines leave the wall at a right angle; nodes are then spread along each line
+//! by its true arc length, so that wall spacing is exact at any fineness.
 
+mod aerofoil;
 mod box_grid;
+mod chord;
+mod conformal;
+mod fourier;
+mod line;
+mod plane_c;
+pub mod spacing;
+mod wing_ch;
+mod wing_oo;
 
+pub use aerofoil::{AerofoilGrid, AerofoilKind};
 pub use box_grid::{BoxGrid, box_grid};
+pub use conformal::MapError;
+pub use wing_ch::WingCh;
+pub use wing_oo::WingOo;
+
+use crate::geometry::GeometryError;
+
+/// Why a grid could not be made.
+#[derive(Clone, Debug, thiserror::Error, PartialEq)]
+pub enum GenerateError {
+    /// The geometry is wrong.
+    #[error(transparent)]
+    Geometry(#[from] GeometryError),
+    /// A section cannot be mapped.
+    #[error(transparent)]
+    Map(#[from] MapError),
+    /// A setting is out of range.
+    #[error("{name}: {needed} needed, got {got}")]
+    Setting {
+        /// The setting.
+        name: String,
+        /// What is needed.
+        needed: String,
+        /// What it is.
+        got: String,
+    },
+    /// Cells grow too fast from the wall to the far field.
+    #[error(
+        "cells grow by {growth:.3} from wall to far field with {cells} cells, over the growth limit {limit}; \
+         use at least {needed} cells, a larger wall spacing or a higher growth_limit"
+    )]
+    Growth {
+        /// Ratio that was found.
+        growth: f64,
+        /// Ratio that is allowed.
+        limit: f64,
+        /// Cells asked for.
+        cells: usize,
+        /// Cells that would do.
+        needed: usize,
+    },
+}
+
+impl GenerateError {
+    fn setting(name: &str, needed: &str, got: impl std::fmt::Display) -> Self {
+        Self::Setting {
+            name: name.into(),
+            needed: needed.into(),
+            got: got.to_string(),
+        }
+    }
+}

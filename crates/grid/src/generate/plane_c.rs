@@ -1,0 +1,145 @@
+//! One C-shaped plane of nodes round a unit section: a whole 2-D grid, or a span station of a C-H grid.
+
+use super::chord::{Mixture, mixed};
+use super::line::spread;
+
+/// What makes a plane. Lengths are in local chords; x = 0 is the leading edge.
+pub(super) struct PlaneC<'a> {
+    /// Maps of the section with weights.
+    pub(super) mixture: Mixture<'a>,
+    /// Wall nodes, upper trailing edge to lower.
+    pub(super) wall: Vec<[f64; 2]>,
+    /// x of the wake's nodes from the trailing edge to the exit.
+    pub(super) wake: Vec<f64>,
+    /// Share of the section's thickness (against its mean line) at a height above the wall.
+    pub(super) share: &'a (dyn Fn(f64) -> f64 + Sync),
+    /// Far field distance upstream, and up and down.
+    pub(super) far: f64,
+    /// Cells from wall to far field.
+    pub(super) normal: usize,
+    /// First step from the wall.
+    pub(super) first: f64,
+    /// Growth of the first step along the wake: its factor is `1 + wake_growth * (x - 1)`.
+    pub(super) wake_growth: f64,
+}
+
+/// Nodes of a plane.
+pub(super) struct Plane {
+    /// Positions `[j][i]`.
+    pub(super) nodes: Vec<[f64; 2]>,
+    /// Largest growth ratio of any line.
+    pub(super) growth: f64,
+}
+
+impl PlaneC<'_> {
+    /// Makes the nodes: i from the exit above the wake round the nose to the exit below, j from wall to far field.
+    pub(super) fn make(&self) -> Plane {
+        let tail = self.wake.len() - 1;
+        let last = self.wall.len() - 1 + 2 * tail;
+        // In each map: a of node i, on the section or its mean line.
+        let parameters = |full: bool| -> Vec<Vec<f64>> {
+            self.mixture
+                .iter()
+                .map(|(maps, _)| {
+                    let (map, wall) = if full {
+                        (&maps.full, &maps.full_a)
+                    } else {
+                        (&maps.mean, &maps.mean_a)
+                    };
+                    let wake: Vec<f64> = self.wake.iter().skip(1).map(|&x| map.wake_parameter(x)[0]).collect();
+                    let below: Vec<f64> = self.wake.iter().skip(1).map(|&x| map.wake_parameter(x)[1]).collect();
+                    wake.into_iter()
+                        .rev()
+                        .chain(wall.iter().copied())
+                        .chain(below)
+                        .collect()
+                })
+                .collect()
+        };
+        let (full_a, mean_a) = (parameters(true), parameters(false));
+        let wall = |i: usize| -> [f64; 2] {
+            if i < tail || i > last - tail {
+                let m = if i < tail { tail - i } else { i - (last - tail) };
+                mixed(&self.mixture, |maps| maps.mean.wake_point(self.wake[m]))
+            } else {
+                self.wall[i - tail]
+            }
+        };
+        let exit = self.wake[tail];
+        let mut nodes = vec![[0.0; 2]; (last + 1) * (self.normal + 1)];
+        let mut growth = 1.0f64;
+        for i in 0..=last {
+            // Lines lean so that the last one, a = A sqrt(1 + (b/A)^2), is x = const in the plane of the parabola.
+            let lean = |a: f64, a_exit: f64, b: f64| a * (1.0 + (b / a_exit).powi(2)).sqrt();
+            let mapped = |b: f64| -> [f64; 2] {
+                let a0 = mean_a[0][i];
+                let share = (self.share)(b * b + 2.0 * a0.abs() * b);
+                let mut p = [0.0; 2];
+                for (m, (maps, weight)) in self.mixture.iter().enumerate() {
+                    let mut add = |q: [f64; 2], w: f64| {
+                        p[0] += w * q[0];
+                        p[1] += w * q[1];
+                    };
+                    if share > 0.0 {
+                        let a = lean(full_a[m][i], full_a[m][0], b);
+                        add(maps.full.position(a, b), weight * share);
+                    }
+                    if share < 1.0 {
+                        let a = lean(mean_a[m][i], mean_a[m][0], b);
+                        add(maps.mean.position(a, b), weight * (1.0 - share));
+                    }
+                }
+                p
+            };
+            let exact = wall(i);
+            let foot = mapped(0.0);
+            // What the map misses of the wall (1e-5 chords) moves the line's near part along.
+            let miss = [exact[0] - foot[0], exact[1] - foot[1]];
+            let line = |b: f64| -> [f64; 2] {
+                let p = mapped(b);
+                let fade = (-4.0 * ((p[0] - foot[0]).powi(2) + (p[1] - foot[1]).powi(2)).sqrt()).exp();
+                [p[0] + miss[0] * fade, p[1] + miss[1] * fade]
+            };
+            let end = self.end(mean_a[0][i], mean_a[0][0]);
+            let beyond = (exact[0] - 1.0).max(0.0);
+            let on_wake = i < tail || i > last - tail;
+            let first = self.first * if on_wake { 1.0 + self.wake_growth * beyond } else { 1.0 };
+            let (b, ratio) = spread(line, end, self.normal, first);
+            growth = growth.max(ratio);
+            for (j, &b) in b.iter().enumerate() {
+                nodes[i + (last + 1) * j] = if j == 0 { exact } else { line(b) };
+            }
+        }
+        // The exit is the plane x = const to the last digit: what is missing fades upstream along the wake.
+        for j in 1..=self.normal {
+            for side in [0, last] {
+                let row = (last + 1) * j;
+                let miss = exit - nodes[row + side][0];
+                for m in 0..=tail {
+                    let fade = ((self.wake[m] - 1.0) / (exit - 1.0)).powi(2);
+                    let i = if side == 0 { tail - m } else { last - tail + m };
+                    nodes[row + i][0] += miss * fade;
+                }
+            }
+        }
+        Plane { nodes, growth }
+    }
+
+    /// b where the line of a meets the outer boundary: half an ellipse upstream of x = 0, straight lines behind.
+    fn end(&self, a: f64, a_exit: f64) -> f64 {
+        let outside = |b: f64| {
+            let lean = a * (1.0 + (b / a_exit).powi(2)).sqrt();
+            let (x, z) = (lean * lean - b * b, 2.0 * lean * b);
+            (x.min(0.0) / self.far).powi(2) + (z / self.far).powi(2) > 1.0
+        };
+        let (mut lo, mut hi) = (0.0, 1.0);
+        while !outside(hi) && hi < 1e6 {
+            hi *= 2.0;
+        }
+        for _ in 0..60 {
+            let mid = 0.5 * (lo + hi);
+            if outside(mid) { hi = mid } else { lo = mid }
+        }
+        hi
+    }
+}

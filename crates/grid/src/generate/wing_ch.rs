@@ -1,0 +1,237 @@
+//! C-H grids round a half wing: a C round every section, planes y = const from the symmetry plane past the tip.
+
+use rayon::prelude::*;
+
+use super::GenerateError;
+use super::aerofoil::cells_for;
+use super::chord::{self, Kind, WingMaps};
+use super::plane_c::{Plane, PlaneC};
+use super::spacing::{geometric, two_sided};
+use crate::block::Block;
+use crate::face::{Face, Window};
+use crate::geometry::Wing;
+use crate::topology::{Condition, Interface, MultiBlock, Orientation, Patch, Side, Topology};
+
+/// A C-H grid in one block. Lengths are in the unit of the wing but where chords are named.
+#[derive(Clone, Debug, PartialEq)]
+pub struct WingCh {
+    /// The wing.
+    pub wing: Wing,
+    /// Cells along each surface of a section.
+    pub surface: usize,
+    /// Cells along the wake.
+    pub wake: usize,
+    /// Cells from wall to far field.
+    pub normal: usize,
+    /// Cells along the span of the wing.
+    pub span: usize,
+    /// Cells from tip to far field.
+    pub outboard: usize,
+    /// First step off the wall.
+    pub wall_spacing: f64,
+    /// Step along the surface at the nose, in chords.
+    pub nose_spacing: f64,
+    /// Step along the surface at the trailing edge, in chords.
+    pub tail_spacing: f64,
+    /// Step along the span at the symmetry plane.
+    pub root_spacing: f64,
+    /// Step along the span at the tip.
+    pub tip_spacing: f64,
+    /// Distance of the far field upstream, up, down and outboard.
+    pub far_field: f64,
+    /// Distance from the root's leading edge to the exit.
+    pub exit: f64,
+    /// Growth of the first step behind and outboard of the wing, per chord.
+    pub wake_growth: f64,
+    /// Largest growth ratio allowed from wall to far field.
+    pub growth_limit: f64,
+}
+
+impl WingCh {
+    /// Makes the grid: i from the exit above the wake round the nose to the exit below, j from the wall out, k from the
+    /// root outboard. Patches: `wing`, `symmetry`, `far`, `exit`. The wake and the sheet outboard of the tip are
+    /// interfaces of the block with itself.
+    /// # Errors
+    /// A size that is too small, a growth over the limit, a wing or section that is wrong.
+    pub fn make(&self) -> Result<MultiBlock, GenerateError> {
+        self.check()?;
+        let wing = &self.wing;
+        let side = chord::side(
+            &wing.stations[0].section,
+            self.surface,
+            self.nose_spacing,
+            self.tail_spacing,
+        );
+        let t = chord::around(&side);
+        let maps = WingMaps::new(Kind::C, wing, &t)?;
+        let y = self.span_stations();
+        let planes: Vec<(Plane, [f64; 3])> = y.par_iter().map(|&y| self.plane(&maps, &t, y)).collect();
+        let growth = planes
+            .iter()
+            .fold(1.0, |worst: f64, (plane, _)| worst.max(plane.growth));
+        if growth > self.growth_limit {
+            return Err(GenerateError::Growth {
+                growth,
+                limit: self.growth_limit,
+                cells: self.normal,
+                needed: cells_for(self.wall_spacing, self.far_field, self.growth_limit),
+            });
+        }
+        let ni = 2 * (self.surface + self.wake);
+        let cells = [ni, self.normal, self.span + self.outboard];
+        let mut block = Block::from_fn("wing", cells, |i, j, k| {
+            let (plane, [x_le, z_le, chord]) = &planes[k];
+            let p = plane.nodes[i + (ni + 1) * j];
+            [x_le + chord * p[0], y[k], z_le + chord * p[1]]
+        });
+        for k in 0..=cells[2] {
+            for i in 0..=ni {
+                // Both sides of the wake, and of the sheet outboard of the tip, are one surface: to the last bit.
+                if i < self.wake || k >= self.span {
+                    let p = block.point(i.min(ni - i), 0, k);
+                    block.set_point([ni - i.min(ni - i), 0, k], p);
+                }
+            }
+        }
+        Ok(MultiBlock {
+            topology: self.topology(cells),
+            blocks: vec![block],
+        })
+    }
+
+    fn check(&self) -> Result<(), GenerateError> {
+        self.wing.check()?;
+        let positive = [
+            ("wall_spacing", self.wall_spacing),
+            ("nose_spacing", self.nose_spacing),
+            ("tail_spacing", self.tail_spacing),
+            ("root_spacing", self.root_spacing),
+            ("tip_spacing", self.tip_spacing),
+            ("far_field", self.far_field),
+        ];
+        for (name, value) in positive {
+            if !(value > 0.0 && value.is_finite()) {
+                return Err(GenerateError::setting(name, "a number above zero", value));
+            }
+        }
+        let counts = [
+            ("surface", self.surface, 4),
+            ("normal", self.normal, 2),
+            ("wake", self.wake, 2),
+            ("span", self.span, 2),
+            ("outboard", self.outboard, 2),
+        ];
+        for (name, value, least) in counts {
+            if value < least {
+                return Err(GenerateError::setting(name, &format!("at least {least} cells"), value));
+            }
+        }
+        let last = self.wing.planform(self.wing.tip_y() + self.far_field);
+        let first = self.wing.planform(self.wing.root_y());
+        let tail = (last[0] + last[2]).max(first[0] + first[2]);
+        if self.exit + first[0] <= tail + first[2] {
+            let least = tail + first[2] - first[0];
+            return Err(GenerateError::setting(
+                "exit",
+                &format!("more than {least:.4}"),
+                self.exit,
+            ));
+        }
+        Ok(())
+    }
+
+    /// y of every plane.
+    fn span_stations(&self) -> Vec<f64> {
+        let (root, tip) = (self.wing.root_y(), self.wing.tip_y());
+        let span = tip - root;
+        let mut y: Vec<f64> = two_sided(self.span, self.root_spacing / span, self.tip_spacing / span)
+            .into_iter()
+            .map(|s| root + s * span)
+            .collect();
+        y[self.span] = tip;
+        y.extend(
+            geometric(self.outboard, self.tip_spacing, self.far_field)
+                .into_iter()
+                .skip(1)
+                .map(|d| tip + d),
+        );
+        y
+    }
+
+    fn plane(&self, maps: &WingMaps, t: &[f64], y: f64) -> (Plane, [f64; 3]) {
+        let wing = &self.wing;
+        let place @ [x_le, z_le, chord] = wing.planform(y);
+        let local = |p: [f64; 3]| [(p[0] - x_le) / chord, (p[2] - z_le) / chord];
+        let share = |height: f64| tip_share(wing, y, height * chord);
+        let beyond = (y - wing.tip_y()).max(0.0) / chord;
+        let exit = (wing.planform(wing.root_y())[0] + self.exit - x_le) / chord;
+        let plane = PlaneC {
+            mixture: maps.at(wing, y),
+            wall: t.iter().map(|&t| local(wing.point(y, t))).collect(),
+            wake: geometric(self.wake, self.tail_spacing, exit - 1.0)
+                .iter()
+                .map(|x| 1.0 + x)
+                .collect(),
+            share: &share,
+            far: self.far_field / chord,
+            normal: self.normal,
+            first: self.wall_spacing / chord * (1.0 + self.wake_growth * beyond),
+            wake_growth: self.wake_growth,
+        };
+        (plane.make(), place)
+    }
+
+    fn topology(&self, cells: [usize; 3]) -> Topology {
+        let [ni, nj, nk] = cells;
+        let (nose, tail) = (ni / 2, self.wake);
+        let side = |face: Face, lo: [usize; 2], hi: [usize; 2]| Side {
+            block: 0,
+            face,
+            window: Window::new(lo, hi),
+        };
+        let fold = |a: Side, b: Side| Interface {
+            a,
+            b,
+            orientation: Orientation {
+                swap: false,
+                reverse: [true, false],
+            },
+            translation: None,
+        };
+        let patch = |name: &str, side: Side, condition: Condition| Patch {
+            name: name.into(),
+            block: 0,
+            face: side.face,
+            window: side.window,
+            condition,
+        };
+        let below = |lo: [usize; 2], hi: [usize; 2]| side(Face::JMin, lo, hi);
+        Topology {
+            interfaces: vec![
+                fold(below([0, 0], [tail, nk]), below([ni - tail, 0], [ni, nk])),
+                fold(
+                    below([tail, self.span], [nose, nk]),
+                    below([nose, self.span], [ni - tail, nk]),
+                ),
+            ],
+            patches: vec![
+                patch("wing", below([tail, 0], [ni - tail, self.span]), Condition::Wall),
+                patch("symmetry", side(Face::KMin, [0, 0], [ni, nj]), Condition::Symmetry),
+                patch("far", side(Face::JMax, [0, 0], [ni, nk]), Condition::FarField),
+                patch("far", side(Face::KMax, [0, 0], [ni, nj]), Condition::FarField),
+                patch("exit", side(Face::IMin, [0, 0], [nj, nk]), Condition::FarField),
+                patch("exit", side(Face::IMax, [0, 0], [nj, nk]), Condition::FarField),
+            ],
+        }
+    }
+}
+
+/// Share of the section's thickness that shapes the grid at `height` above the plane of the wing at y.
+///
+/// On the wall it is the closure of the tip; above, the closure is spread over a span that grows with height, so that the
+/// tip's short end does not print through to the far field.
+pub(super) fn tip_share(wing: &Wing, y: f64, height: f64) -> f64 {
+    let length = wing.tip_length + height;
+    let start = wing.tip_y() - wing.tip_length - 0.5 * height;
+    crate::geometry::closure(wing.tip, (y - start) / length)
+}

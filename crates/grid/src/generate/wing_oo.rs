@@ -1,0 +1,272 @@
+//! O-O grids round a half wing: an O round every section and round the tip.
+//!
+//! In a plane y = const the section stands in its conformal O coordinates (a, b); b measured as a length is
+//! `h = f sinh b` with f half the focal distance. In the plane of (y, h) the wing is the line h = 0, 0 < y < tip, and
+//! the same confocal ellipses wrap round its end: `y = s cosh m cos p`, `h = s sinh m sin p`. So (a, p) number the
+//! points of the wing, m counts outward, p = pi/2 is the symmetry plane, and p = 0 is the sheet outboard of the tip, on
+//! which upper and lower side meet. Both steps keep volumes positive wherever the sections' maps do.
+
+use rayon::prelude::*;
+
+use super::GenerateError;
+use super::aerofoil::cells_for;
+use super::chord::{self, Kind, WingMaps, mixed};
+use super::line::spread;
+use super::spacing::two_sided;
+use super::wing_ch::tip_share;
+use crate::block::Block;
+use crate::face::{Face, Window};
+use crate::geometry::Wing;
+use crate::topology::{Condition, Interface, MultiBlock, Orientation, Patch, Side, Topology};
+
+/// An O-O grid in one block, for wings of symmetric sections without twist or dihedral. Lengths are in the unit of the
+/// wing but where chords are named.
+#[derive(Clone, Debug, PartialEq)]
+pub struct WingOo {
+    /// The wing.
+    pub wing: Wing,
+    /// Cells along each surface of a section.
+    pub surface: usize,
+    /// Cells from wall to far field.
+    pub normal: usize,
+    /// Cells along the span.
+    pub span: usize,
+    /// First step off the wall.
+    pub wall_spacing: f64,
+    /// Step along the surface at the nose, in chords.
+    pub nose_spacing: f64,
+    /// Step along the surface at the trailing edge, in chords.
+    pub tail_spacing: f64,
+    /// Step along the span at the symmetry plane.
+    pub root_spacing: f64,
+    /// Step along the span at the tip.
+    pub tip_spacing: f64,
+    /// Radius of the far field.
+    pub far_field: f64,
+    /// Growth of the first step behind and outboard of the wing, per chord.
+    pub wake_growth: f64,
+    /// Largest growth ratio allowed from wall to far field.
+    pub growth_limit: f64,
+}
+
+impl WingOo {
+    /// Makes the grid: i from the upper trailing edge round the nose to the lower, j from the wall out, k from root to
+    /// tip. Patches: `wing`, `symmetry`, `far`. The cut behind the trailing edge and the sheet outboard of the tip are
+    /// interfaces of the block with itself.
+    /// # Errors
+    /// A size that is too small, a growth over the limit, a wing that is not symmetric.
+    pub fn make(&self) -> Result<MultiBlock, GenerateError> {
+        self.check()?;
+        let wing = &self.wing;
+        let side = chord::side(
+            &wing.stations[0].section,
+            self.surface,
+            self.nose_spacing,
+            self.tail_spacing,
+        );
+        let t = chord::around(&side);
+        let maps = WingMaps::new(Kind::O, wing, &t)?;
+        let (root, tip) = (wing.root_y(), wing.tip_y());
+        let semispan = tip - root;
+        let y: Vec<f64> = two_sided(self.span, self.root_spacing / semispan, self.tip_spacing / semispan)
+            .into_iter()
+            .map(|s| root + s * semispan)
+            .collect();
+        let ni = 2 * self.surface;
+        let cells = [ni, self.normal, self.span];
+        // Upper half only: the lower is its mirror image.
+        let lines: Vec<(Vec<[f64; 3]>, f64)> = (0..(self.surface + 1) * (self.span + 1))
+            .into_par_iter()
+            .map(|n| {
+                let (i, k) = (n % (self.surface + 1), n / (self.surface + 1));
+                self.line(&maps, i, t[i], if k == self.span { tip } else { y[k] })
+            })
+            .collect();
+        let growth = lines.iter().fold(1.0, |worst: f64, (_, ratio)| worst.max(*ratio));
+        if growth > self.growth_limit {
+            return Err(GenerateError::Growth {
+                growth,
+                limit: self.growth_limit,
+                cells: self.normal,
+                needed: cells_for(self.wall_spacing, self.far_field, self.growth_limit),
+            });
+        }
+        let block = Block::from_fn("wing", cells, |i, j, k| {
+            let above = i.min(ni - i);
+            let mut p = lines[above + (self.surface + 1) * k].0[j];
+            if above == 0 || above == self.surface || k == self.span {
+                p[2] = 0.0;
+            }
+            if k == 0 {
+                p[1] = root;
+            }
+            if i > self.surface {
+                p[2] = -p[2];
+            }
+            // No negative zero: the two sides of a cut are compared bit by bit.
+            p.map(|v| v + 0.0)
+        });
+        Ok(MultiBlock {
+            topology: topology(cells),
+            blocks: vec![block],
+        })
+    }
+
+    fn check(&self) -> Result<(), GenerateError> {
+        self.wing.check()?;
+        let plane = |s: &crate::geometry::Station| s.twist_deg == 0.0 && s.z_le == 0.0 && s.section.is_symmetric();
+        if let Some(n) = self.wing.stations.iter().position(|s| !plane(s)) {
+            return Err(GenerateError::setting(
+                "kind",
+                "\"ch\" for wings with camber, twist or dihedral (\"oo\" takes symmetric sections in the plane z = 0)",
+                format!(
+                    "\"oo\" with station {} ({})",
+                    n + 1,
+                    self.wing.stations[n].section.name()
+                ),
+            ));
+        }
+        let positive = [
+            ("wall_spacing", self.wall_spacing),
+            ("nose_spacing", self.nose_spacing),
+            ("tail_spacing", self.tail_spacing),
+            ("root_spacing", self.root_spacing),
+            ("tip_spacing", self.tip_spacing),
+        ];
+        for (name, value) in positive {
+            if !(value > 0.0 && value.is_finite()) {
+                return Err(GenerateError::setting(name, "a number above zero", value));
+            }
+        }
+        let semispan = self.wing.tip_y() - self.wing.root_y();
+        if !(self.far_field > 1.5 * semispan && self.far_field.is_finite()) {
+            return Err(GenerateError::setting(
+                "far_field",
+                &format!("more than {:.4}", 1.5 * semispan),
+                self.far_field,
+            ));
+        }
+        for (name, value, least) in [
+            ("surface", self.surface, 4),
+            ("normal", self.normal, 2),
+            ("span", self.span, 2),
+        ] {
+            if value < least {
+                return Err(GenerateError::setting(name, &format!("at least {least} cells"), value));
+            }
+        }
+        Ok(())
+    }
+
+    /// Leading edge and chord at y; beyond the tip the sheet opens like a fan, so that it does not stay a thin strip far
+    /// out.
+    fn planform(&self, y: f64) -> [f64; 2] {
+        let [x_le, _, chord] = self.wing.planform(y);
+        let beyond = (y - self.wing.tip_y()).max(0.0);
+        let fan = (beyond * beyond + chord * chord).sqrt() - chord;
+        [x_le - 0.5 * fan, chord + fan]
+    }
+
+    /// The line from the wall point at section parameter `t` and span `y0`, and its growth ratio.
+    fn line(&self, maps: &WingMaps, i: usize, t: f64, y0: f64) -> (Vec<[f64; 3]>, f64) {
+        let wing = &self.wing;
+        let (root, tip) = (wing.root_y(), wing.tip_y());
+        let semispan = tip - root;
+        let p = ((y0 - root) / semispan).clamp(0.0, 1.0).acos();
+        let end = (self.far_field / semispan).acosh();
+        let on_tip = y0 >= tip;
+        let mapped = |m: f64| -> [f64; 3] {
+            let (y, height) = if on_tip {
+                (root + semispan * m.cosh(), 0.0)
+            } else {
+                (root + semispan * m.cosh() * p.cos(), semispan * m.sinh() * p.sin())
+            };
+            let [x_le, chord] = self.planform(y);
+            let b = (2.0 * height / chord).asinh();
+            let share = tip_share(wing, y, height);
+            let mixture = maps.at(wing, y);
+            let q = mixed(&mixture, |s| {
+                let full = if share > 0.0 {
+                    s.full.position(s.full_a[i], b)
+                } else {
+                    [0.0; 2]
+                };
+                let mean = if share < 1.0 {
+                    s.mean.position(s.mean_a[i], b)
+                } else {
+                    [0.0; 2]
+                };
+                [
+                    mean[0] + share * (full[0] - mean[0]),
+                    mean[1] + share * (full[1] - mean[1]),
+                ]
+            });
+            let q = if share >= 1.0 {
+                mixed(&mixture, |s| s.full.position(s.full_a[i], b))
+            } else {
+                q
+            };
+            [x_le + chord * q[0], y, chord * q[1]]
+        };
+        let exact = wing.point(y0, t);
+        let foot = mapped(0.0);
+        let miss = [exact[0] - foot[0], 0.0, exact[2] - foot[2]];
+        let fade_length = 0.25 * wing.planform(y0)[2];
+        let line = |m: f64| {
+            let q = mapped(m);
+            let fade = (-crate::vector::distance(q, foot) / fade_length).exp();
+            [q[0] + miss[0] * fade, q[1], q[2] + miss[2] * fade]
+        };
+        let (m, ratio) = spread(line, end, self.normal, self.wall_spacing);
+        let nodes = m
+            .iter()
+            .enumerate()
+            .map(|(j, &m)| if j == 0 { exact } else { line(m) })
+            .collect();
+        (nodes, ratio)
+    }
+}
+
+fn topology(cells: [usize; 3]) -> Topology {
+    let [ni, nj, nk] = cells;
+    let side = |face: Face, lo: [usize; 2], hi: [usize; 2]| Side {
+        block: 0,
+        face,
+        window: Window::new(lo, hi),
+    };
+    let patch = |name: &str, side: Side, condition: Condition| Patch {
+        name: name.into(),
+        block: 0,
+        face: side.face,
+        window: side.window,
+        condition,
+    };
+    let interface = |a: Side, b: Side, reverse: bool| Interface {
+        a,
+        b,
+        orientation: Orientation {
+            swap: false,
+            reverse: [reverse, false],
+        },
+        translation: None,
+    };
+    Topology {
+        interfaces: vec![
+            interface(
+                side(Face::IMin, [0, 0], [nj, nk]),
+                side(Face::IMax, [0, 0], [nj, nk]),
+                false,
+            ),
+            interface(
+                side(Face::KMax, [0, 0], [ni / 2, nj]),
+                side(Face::KMax, [ni / 2, 0], [ni, nj]),
+                true,
+            ),
+        ],
+        patches: vec![
+            patch("wing", side(Face::JMin, [0, 0], [ni, nk]), Condition::Wall),
+            patch("symmetry", side(Face::KMin, [0, 0], [ni, nj]), Condition::Symmetry),
+            patch("far", side(Face::JMax, [0, 0], [ni, nk]), Condition::FarField),
+        ],
+    }
+}
