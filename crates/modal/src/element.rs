@@ -101,6 +101,9 @@ pub enum ShellThickness {
     /// At the corners, in the order of the nodes (the fourth is ignored for a triangle);
     /// interpolated as the geometry is.
     Corner([f64; 4]),
+    /// At the element's integration points (see [`crate::quad_points`] and
+    /// [`crate::triangle_points`]; a triangle ignores the fourth): for a thickness known everywhere.
+    Integration([f64; 4]),
 }
 
 /// A plate or shell element.
@@ -129,7 +132,8 @@ pub struct Bar {
     pub nodes: [u32; 2],
     /// Index into [`crate::Model::bar_sections`].
     pub section: usize,
-    /// A vector that lies in plane 1 (x y of the bar), not along the bar.
+    /// A vector that lies in plane 1 (x y of the bar), not along the bar. Zero is allowed when the
+    /// section is alike in both planes (a rod).
     pub orientation: Vector3<f64>,
     /// From node A to end A and from node B to end B of the elastic axis.
     pub offsets: [Vector3<f64>; 2],

@@ -5,21 +5,34 @@
 //!
 //! Any consistent set of units with time in seconds. Displacements and rotations are right-handed.
 
+mod assemble;
+mod bar;
+mod constraint;
 mod dof;
+mod eigen;
 mod element;
 mod error;
+mod factor;
+mod lumped;
 mod material;
 mod model;
 mod modes;
+mod reduce;
 mod section;
+mod shell;
+mod system;
 
 pub use dof::{DOFS_PER_NODE, Dof, DofSet};
 pub use element::{
     AverageElement, Bar, DirectTerm, Equation, GeneralElement, GeneralMatrix, MaterialAxis, Node, NodeDof, NodeMass,
     RigidElement, ScalarElement, Shell, ShellNodes, ShellThickness,
 };
+pub use eigen::{ModesRequest, Normalization};
 pub use error::{EigenError, ModelError, TableError};
 pub use material::{Elasticity, Material, rotate_plane_stress, rotate_transverse};
 pub use model::{MassForm, Model, NodeIndex, Settings};
 pub use modes::{ModeNode, Modes};
+pub use reduce::AutoSupport;
 pub use section::{BarSection, Layup, Ply, SHEAR_FACTOR, ShellSection, ShellStiffness};
+pub use shell::{ShellPlane, quad_points, triangle_points};
+pub use system::System;

@@ -1,0 +1,242 @@
+//! A sparse symmetric pencil K, M and the factorization K - sigma M = L D L^T (faer, AMD ordering).
+//!
+//! One symbolic analysis of the joint pattern serves every shift. The pivots D give the Sturm count (the
+//! number of eigenvalues below the shift) and show mechanisms.
+
+use faer::dyn_stack::{MemBuffer, MemStack};
+use faer::linalg::cholesky::ldlt::factor::{LdltError, LdltRegularization};
+use faer::sparse::linalg::cholesky::{
+    CholeskySymbolicParams, LdltRef, SymbolicCholesky, SymbolicCholeskyRaw, SymmetricOrdering,
+    factorize_symbolic_cholesky, supernodal::SupernodalLdltRef,
+};
+use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
+use faer::{Conj, MatMut, Par, Side};
+use sprs::CsMat;
+
+use crate::error::ModelError;
+
+/// Lower triangles of K and M on their joint pattern, column by column.
+pub(crate) struct Pencil {
+    size: usize,
+    column_start: Vec<usize>,
+    row: Vec<usize>,
+    stiffness: Vec<f64>,
+    mass: Vec<f64>,
+    symbolic: SymbolicCholesky<usize>,
+}
+
+/// A factorization that stopped.
+pub(crate) enum FactorError {
+    /// At a degree of freedom whose pivot is exactly zero.
+    ZeroPivot(usize),
+    /// For another reason.
+    Other(ModelError),
+}
+
+/// L D L^T of a shifted pencil.
+pub(crate) struct Factor<'a> {
+    symbolic: &'a SymbolicCholesky<usize>,
+    values: Vec<f64>,
+}
+
+impl Pencil {
+    /// From symmetric matrices stored in full.
+    pub fn new(stiffness: &CsMat<f64>, mass: &CsMat<f64>) -> Result<Self, ModelError> {
+        let size = stiffness.rows();
+        let (mut column_start, mut row) = (vec![0], Vec::new());
+        let (mut k, mut m) = (Vec::new(), Vec::new());
+        for j in 0..size {
+            // Row j of a symmetric matrix is its column j. Both rows are sorted: merge them.
+            let empty: (&[usize], &[f64]) = (&[], &[]);
+            let kr = stiffness.outer_view(j);
+            let mr = mass.outer_view(j);
+            let (ki, kv) = kr.as_ref().map_or(empty, |v| (v.indices(), v.data()));
+            let (mi, mv) = mr.as_ref().map_or(empty, |v| (v.indices(), v.data()));
+            let (mut a, mut b) = (ki.partition_point(|&i| i < j), mi.partition_point(|&i| i < j));
+            // The diagonal is always there: a shift or a pivot may need it.
+            if ki.get(a) != Some(&j) && mi.get(b) != Some(&j) {
+                row.push(j);
+                k.push(0.0);
+                m.push(0.0);
+            }
+            while a < ki.len() || b < mi.len() {
+                let next = match (ki.get(a), mi.get(b)) {
+                    (Some(&x), Some(&y)) => x.min(y),
+                    (Some(&x), None) | (None, Some(&x)) => x,
+                    (None, None) => break,
+                };
+                let take = |i: &[usize], v: &[f64], at: &mut usize| {
+                    if i.get(*at) == Some(&next) {
+                        *at += 1;
+                        v[*at - 1]
+                    } else {
+                        0.0
+                    }
+                };
+                row.push(next);
+                k.push(take(ki, kv, &mut a));
+                m.push(take(mi, mv, &mut b));
+            }
+            column_start.push(row.len());
+        }
+        let pattern = SymbolicSparseColMatRef::new_checked(size, size, &column_start, None, &row);
+        let symbolic = factorize_symbolic_cholesky(
+            pattern,
+            Side::Lower,
+            SymmetricOrdering::Amd,
+            CholeskySymbolicParams::default(),
+        )
+        .map_err(|e| ModelError::Factorization { size, cause: format!("{e:?}") })?;
+        Ok(Self { size, column_start, row, stiffness: k, mass: m, symbolic })
+    }
+
+    /// Number of degrees of freedom.
+    pub fn size(&self) -> usize {
+        self.size
+    }
+
+    /// K - sigma M in factors.
+    pub fn factor(&self, sigma: f64) -> Result<Factor<'_>, FactorError> {
+        let shifted: Vec<f64> = self.stiffness.iter().zip(&self.mass).map(|(k, m)| k - sigma * m).collect();
+        let pattern =
+            SymbolicSparseColMatRef::new_checked(self.size, self.size, &self.column_start, None, &self.row);
+        let matrix = SparseColMatRef::new(pattern, &shifted[..]);
+        let mut values = vec![0.0; self.symbolic.len_val()];
+        let mut memory = MemBuffer::try_new(
+            self.symbolic.factorize_numeric_ldlt_scratch::<f64>(Par::Seq, faer::Spec::default()),
+        )
+        .map_err(|_| {
+            let cause = "out of memory".to_owned();
+            FactorError::Other(ModelError::Factorization { size: self.size, cause })
+        })?;
+        self.symbolic
+            .factorize_numeric_ldlt(
+                &mut values,
+                matrix,
+                Side::Lower,
+                LdltRegularization::default(),
+                Par::Seq,
+                MemStack::new(&mut memory),
+                faer::Spec::default(),
+            )
+            .map_err(|LdltError::ZeroPivot { index }| {
+                let original = self.symbolic.perm().map_or(index, |p| p.arrays().0[index]);
+                FactorError::ZeroPivot(original)
+            })?;
+        Ok(Factor { symbolic: &self.symbolic, values })
+    }
+
+    /// K x.
+    pub fn stiffness_times(&self, x: &[f64], y: &mut [f64]) {
+        self.times(&self.stiffness, x, y);
+    }
+
+    /// M x.
+    pub fn mass_times(&self, x: &[f64], y: &mut [f64]) {
+        self.times(&self.mass, x, y);
+    }
+
+    fn times(&self, values: &[f64], x: &[f64], y: &mut [f64]) {
+        y.fill(0.0);
+        for j in 0..self.size {
+            let mut sum = 0.0;
+            let xj = x[j];
+            for at in self.column_start[j]..self.column_start[j + 1] {
+                let (i, v) = (self.row[at], values[at]);
+                if i == j {
+                    sum += v * xj;
+                } else {
+                    y[i] += v * xj;
+                    sum += v * x[i];
+                }
+            }
+            y[j] += sum;
+        }
+    }
+
+    /// |x|^T |K| |x|: the size of the terms that x^T K x is the sum of.
+    pub fn stiffness_magnitude(&self, x: &[f64]) -> f64 {
+        let mut sum = 0.0;
+        for j in 0..self.size {
+            for at in self.column_start[j]..self.column_start[j + 1] {
+                let i = self.row[at];
+                let twice = if i == j { 1.0 } else { 2.0 };
+                sum += twice * (x[i] * self.stiffness[at] * x[j]).abs();
+            }
+        }
+        sum
+    }
+
+    /// Diagonals of K and M.
+    pub fn diagonals(&self) -> (Vec<f64>, Vec<f64>) {
+        let pick = |values: &[f64]| (0..self.size).map(|j| values[self.column_start[j]]).collect();
+        (pick(&self.stiffness), pick(&self.mass))
+    }
+}
+
+impl Factor<'_> {
+    /// Solves for every column of `x` (size x columns, column by column) in place.
+    pub fn solve(&self, x: &mut [f64], columns: usize) -> Result<(), ModelError> {
+        let size = self.symbolic.nrows();
+        let mut memory = MemBuffer::try_new(self.symbolic.solve_in_place_scratch::<f64>(columns, Par::Seq))
+            .map_err(|_| ModelError::Factorization { size, cause: "out of memory".to_owned() })?;
+        LdltRef::new(self.symbolic, &self.values).solve_in_place_with_conj(
+            Conj::No,
+            MatMut::from_column_major_slice_mut(x, size, columns),
+            Par::Seq,
+            MemStack::new(&mut memory),
+        );
+        Ok(())
+    }
+
+    /// Pivots D, in the order of the degrees of freedom (not of the elimination).
+    pub fn pivots(&self) -> Vec<f64> {
+        let size = self.symbolic.nrows();
+        let mut permuted = vec![0.0; size];
+        match self.symbolic.raw() {
+            SymbolicCholeskyRaw::Simplicial(s) => {
+                // The factor is unit lower triangular with D kept on its diagonal, first in each column.
+                for (j, pivot) in permuted.iter_mut().enumerate() {
+                    *pivot = self.values[s.col_ptr()[j]];
+                }
+            }
+            SymbolicCholeskyRaw::Supernodal(s) => {
+                let factor = SupernodalLdltRef::new(s, &self.values);
+                for node in 0..s.n_supernodes() {
+                    let part = factor.supernode(node);
+                    let block = part.val();
+                    for j in 0..block.ncols() {
+                        permuted[part.start() + j] = block[(j, j)];
+                    }
+                }
+            }
+        }
+        match self.symbolic.perm() {
+            Some(perm) => {
+                let mut out = vec![0.0; size];
+                for (at, &original) in perm.arrays().0.iter().enumerate() {
+                    out[original] = permuted[at];
+                }
+                out
+            }
+            None => permuted,
+        }
+    }
+
+    /// Number of eigenvalues of the pencil below the shift (Sylvester's law of inertia).
+    pub fn eigenvalues_below(&self) -> usize {
+        self.pivots().iter().filter(|&&d| d < 0.0).count()
+    }
+}
+
+/// First degree of freedom whose pivot is not clearly positive against the diagonal it started
+/// from: something there moves without stiffness. Returns its number and the ratio.
+pub(crate) fn weakest_pivot(pivots: &[f64], diagonal: &[f64], limit: f64) -> Option<(usize, f64)> {
+    pivots
+        .iter()
+        .zip(diagonal)
+        .map(|(p, d)| if *d > 0.0 { p / d } else { f64::NEG_INFINITY })
+        .enumerate()
+        .filter(|(_, r)| r.is_nan() || *r < limit)
+        .min_by(|a, b| a.1.total_cmp(&b.1))
+}
