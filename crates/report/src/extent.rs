@@ -156,7 +156,7 @@ pub(crate) fn limits(chart: &Chart, which: Which, span: Span, count: usize) -> R
             if hi - lo > 1e-12 * lo.abs().max(hi.abs()) {
                 (lo, hi)
             } else {
-                ticks::linear_limits(lo, hi, count)
+                ticks::linear_limits(lo, hi, count, 0.0)
             }
         }
         // Curves run from side to side, but keep off the top and the bottom.
