@@ -41,18 +41,27 @@ pub(crate) fn assemble(model: &Model, index: &NodeIndex) -> Result<NodeMatrices,
     }
     check_settings(model)?;
     let size = DOFS_PER_NODE * model.nodes.len();
-    let mut out =
-        Triplets { model, stiffness: TriMat::new((size, size)), mass: TriMat::new((size, size)) };
+    let mut out = Triplets {
+        model,
+        stiffness: TriMat::new((size, size)),
+        mass: TriMat::new((size, size)),
+    };
     let scale = model.settings.mass_scale;
     for chunk in model.shells.chunks(CHUNK) {
-        let parts: Vec<_> = chunk.par_iter().map(|s| shell_matrices(model, index, s)).collect::<Result<_, _>>()?;
+        let parts: Vec<_> = chunk
+            .par_iter()
+            .map(|s| shell_matrices(model, index, s))
+            .collect::<Result<_, _>>()?;
         for (nodes, m) in &parts {
             out.add(nodes, &m.stiffness, 1.0, Kind::Stiffness);
             out.add(nodes, &m.mass, scale, Kind::Mass);
         }
     }
     for chunk in model.bars.chunks(CHUNK) {
-        let parts: Vec<_> = chunk.par_iter().map(|b| bar_matrices(model, index, b)).collect::<Result<_, _>>()?;
+        let parts: Vec<_> = chunk
+            .par_iter()
+            .map(|b| bar_matrices(model, index, b))
+            .collect::<Result<_, _>>()?;
         for (nodes, m) in &parts {
             out.add(nodes, &m.stiffness, 1.0, Kind::Stiffness);
             out.add(nodes, &m.mass, scale, Kind::Mass);
@@ -61,7 +70,12 @@ pub(crate) fn assemble(model: &Model, index: &NodeIndex) -> Result<NodeMatrices,
     for mass in &model.masses {
         let (node, matrix) = node_mass(mass)?;
         let node = index.find(node, || "a concentrated mass".to_owned())?;
-        out.add(&[node], &DMatrix::from_fn(6, 6, |i, j| matrix[(i, j)]), scale, Kind::Mass);
+        out.add(
+            &[node],
+            &DMatrix::from_fn(6, 6, |i, j| matrix[(i, j)]),
+            scale,
+            Kind::Mass,
+        );
     }
     out.scalar(index, &model.springs, 1.0, Kind::Stiffness)?;
     out.scalar(index, &model.scalar_masses, scale, Kind::Mass)?;
@@ -79,9 +93,17 @@ pub(crate) fn assemble(model: &Model, index: &NodeIndex) -> Result<NodeMatrices,
             }
         }
     }
-    add_direct(&mut out.stiffness, index, &model.direct_stiffness, "a direct stiffness term")?;
+    add_direct(
+        &mut out.stiffness,
+        index,
+        &model.direct_stiffness,
+        "a direct stiffness term",
+    )?;
     add_direct(&mut out.mass, index, &model.direct_mass, "a direct mass term")?;
-    Ok(NodeMatrices { stiffness: out.stiffness.to_csr(), mass: out.mass.to_csr() })
+    Ok(NodeMatrices {
+        stiffness: out.stiffness.to_csr(),
+        mass: out.mass.to_csr(),
+    })
 }
 
 fn check_settings(model: &Model) -> Result<(), ModelError> {
@@ -89,7 +111,11 @@ fn check_settings(model: &Model) -> Result<(), ModelError> {
     let values = [
         ("the drilling stiffness", s.drilling, s.drilling >= 0.0),
         ("the mass scale", s.mass_scale, s.mass_scale > 0.0),
-        ("the limit of automatic support", s.auto_support.unwrap_or(0.0), s.auto_support.is_none_or(|e| (0.0..1.0).contains(&e))),
+        (
+            "the limit of automatic support",
+            s.auto_support.unwrap_or(0.0),
+            s.auto_support.is_none_or(|e| (0.0..1.0).contains(&e)),
+        ),
     ];
     for (name, value, good) in values {
         if !(good && value.is_finite()) {
@@ -108,12 +134,20 @@ type Placed = (Vec<usize>, shell::ElementMatrices);
 
 fn shell_matrices(model: &Model, index: &NodeIndex, s: &crate::Shell) -> Result<Placed, ModelError> {
     let name = || format!("shell {}", s.id);
-    let nodes = s.nodes.as_slice().iter().map(|&n| index.find(n, name)).collect::<Result<Vec<_>, _>>()?;
-    let section = model.shell_sections.get(s.section).ok_or_else(|| ModelError::UnknownSection {
-        place: name(),
-        index: s.section,
-        count: model.shell_sections.len(),
-    })?;
+    let nodes = s
+        .nodes
+        .as_slice()
+        .iter()
+        .map(|&n| index.find(n, name))
+        .collect::<Result<Vec<_>, _>>()?;
+    let section = model
+        .shell_sections
+        .get(s.section)
+        .ok_or_else(|| ModelError::UnknownSection {
+            place: name(),
+            index: s.section,
+            count: model.shell_sections.len(),
+        })?;
     let points: Vec<Vector3<f64>> = nodes.iter().map(|&n| model.nodes[n].position).collect();
     let matrices = shell::matrices(s, section, &points, &model.settings)?;
     Ok((nodes, matrices))
@@ -121,12 +155,19 @@ fn shell_matrices(model: &Model, index: &NodeIndex, s: &crate::Shell) -> Result<
 
 fn bar_matrices(model: &Model, index: &NodeIndex, b: &crate::Bar) -> Result<Placed, ModelError> {
     let name = || format!("bar {}", b.id);
-    let nodes = b.nodes.iter().map(|&n| index.find(n, name)).collect::<Result<Vec<_>, _>>()?;
-    let section = model.bar_sections.get(b.section).ok_or_else(|| ModelError::UnknownSection {
-        place: name(),
-        index: b.section,
-        count: model.bar_sections.len(),
-    })?;
+    let nodes = b
+        .nodes
+        .iter()
+        .map(|&n| index.find(n, name))
+        .collect::<Result<Vec<_>, _>>()?;
+    let section = model
+        .bar_sections
+        .get(b.section)
+        .ok_or_else(|| ModelError::UnknownSection {
+            place: name(),
+            index: b.section,
+            count: model.bar_sections.len(),
+        })?;
     let points = [model.nodes[nodes[0]].position, model.nodes[nodes[1]].position];
     let matrices = bar::matrices(b, section, &points, &model.settings)?;
     Ok((nodes, matrices))
@@ -154,7 +195,10 @@ fn add_direct(m: &mut TriMat<f64>, index: &NodeIndex, terms: &[DirectTerm], name
                 got: format!("{}", t.value),
             });
         }
-        let (row, column) = (place(index, t.row, || name.to_owned())?, place(index, t.column, || name.to_owned())?);
+        let (row, column) = (
+            place(index, t.row, || name.to_owned())?,
+            place(index, t.column, || name.to_owned())?,
+        );
         add_term(m, row, column, t.value);
     }
     Ok(())

@@ -65,7 +65,10 @@ pub(crate) fn matrices(
     };
     let turn = to_element(&axes, &bar.offsets);
     let dynamic = |m: &Matrix12| DMatrix::from_fn(12, 12, |i, j| m[(i, j)]);
-    Ok(ElementMatrices { stiffness: turn.tr_mul(&dynamic(&k)) * &turn, mass: turn.tr_mul(&dynamic(&m)) * &turn })
+    Ok(ElementMatrices {
+        stiffness: turn.tr_mul(&dynamic(&k)) * &turn,
+        mass: turn.tr_mul(&dynamic(&m)) * &turn,
+    })
 }
 
 /// Places in the 12 degrees of freedom, and sign of the rotation, of bending in plane 1 (v, theta_z)
@@ -80,7 +83,13 @@ fn stiffness(s: &BarSection, length: f64) -> Matrix12 {
         k[(at, at + 6)] -= value;
         k[(at + 6, at)] -= value;
     }
-    let sheared = |k: Option<f64>| if s.i12 == 0.0 { k.filter(|&k| k > 0.0 && s.area > 0.0) } else { None };
+    let sheared = |k: Option<f64>| {
+        if s.i12 == 0.0 {
+            k.filter(|&k| k > 0.0 && s.area > 0.0)
+        } else {
+            None
+        }
+    };
     for (plane, inertia, factor) in [(0, s.i1, sheared(s.k1)), (1, s.i2, sheared(s.k2))] {
         let ei = s.young * inertia;
         let phi = factor.map_or(0.0, |f| 12.0 * ei / (f * s.shear * s.area * length * length));

@@ -34,9 +34,14 @@ pub(crate) fn dependences(model: &Model, index: &NodeIndex) -> Result<Vec<Depend
     }
     for equation in &model.equations {
         let place = || format!("equation {}", equation.id);
-        let bad = |problem: &str| ModelError::BadConstraint { place: place(), problem: problem.to_owned() };
-        let ((first, factor), rest) =
-            equation.terms.split_first().ok_or_else(|| bad("it has no terms; give at least one"))?;
+        let bad = |problem: &str| ModelError::BadConstraint {
+            place: place(),
+            problem: problem.to_owned(),
+        };
+        let ((first, factor), rest) = equation
+            .terms
+            .split_first()
+            .ok_or_else(|| bad("it has no terms; give at least one"))?;
         if *factor == 0.0 || equation.terms.iter().any(|t| !t.1.is_finite()) {
             return Err(bad("the first coefficient must not be zero and all must be finite"));
         }
@@ -46,7 +51,11 @@ pub(crate) fn dependences(model: &Model, index: &NodeIndex) -> Result<Vec<Depend
             .filter(|(_, c)| *c != 0.0)
             .map(|(t, c)| Ok((at(t)?, -c / factor)))
             .collect::<Result<_, ModelError>>()?;
-        out.push(Dependence { at: at(first)?, on, place: place() });
+        out.push(Dependence {
+            at: at(first)?,
+            on,
+            place: place(),
+        });
     }
     Ok(out)
 }
@@ -132,7 +141,11 @@ fn rigid(
             .filter(|&(j, _)| r[(0, j)].abs() > ROUND_OFF * r.abs().max())
             .map(|(j, l)| (at(l), r[(0, j)] * unit(l) / unit(f)))
             .collect();
-        out.push(Dependence { at: at(f), on, place: place() });
+        out.push(Dependence {
+            at: at(f),
+            on,
+            place: place(),
+        });
     }
     Ok(())
 }
@@ -151,7 +164,10 @@ fn average(
     out: &mut Vec<Dependence>,
 ) -> Result<(), ModelError> {
     let place = || format!("averaging element {}", element.id);
-    let bad = |problem: String| ModelError::BadConstraint { place: place(), problem };
+    let bad = |problem: String| ModelError::BadConstraint {
+        place: place(),
+        problem,
+    };
     let reference = index.find(element.reference.0, place)?;
     let origin = model.nodes[reference].position;
     let mut lead: Vec<((usize, Dof), f64)> = Vec::new();
@@ -168,7 +184,10 @@ fn average(
         let mut nodes: Vec<usize> = lead.iter().map(|l| l.0.0).collect();
         nodes.sort_unstable();
         nodes.dedup();
-        nodes.iter().map(|&n| (model.nodes[n].position - origin).norm()).collect()
+        nodes
+            .iter()
+            .map(|&n| (model.nodes[n].position - origin).norm())
+            .collect()
     };
     let size = match distances.iter().sum::<f64>() / distances.len().max(1) as f64 {
         mean if mean > 0.0 => mean,
@@ -226,7 +245,11 @@ fn average(
                 .filter(|(_, f)| f.abs() > ROUND_OFF * largest)
                 .map(|((l, _), f)| (at(l), f * unit(l.1) / unit(d)))
                 .collect();
-            Dependence { at: at(&(reference, d)), on, place: place() }
+            Dependence {
+                at: at(&(reference, d)),
+                on,
+                place: place(),
+            }
         })
         .collect();
     if !element.dependent.is_empty() {
@@ -243,9 +266,16 @@ fn resolve_for(
     chosen: &[usize],
     place: &dyn Fn() -> String,
 ) -> Result<Vec<Dependence>, ModelError> {
-    let bad = |problem: String| ModelError::BadConstraint { place: place(), problem };
+    let bad = |problem: String| ModelError::BadConstraint {
+        place: place(),
+        problem,
+    };
     if chosen.len() != equations.len() {
-        return Err(bad(format!("needs {} dependent degrees of freedom (UM), got {}", equations.len(), chosen.len())));
+        return Err(bad(format!(
+            "needs {} dependent degrees of freedom (UM), got {}",
+            equations.len(),
+            chosen.len()
+        )));
     }
     let mut others: Vec<usize> = equations
         .iter()
@@ -258,8 +288,12 @@ fn resolve_for(
         let own = if e.at == a { 1.0 } else { 0.0 };
         own - e.on.iter().filter(|o| o.0 == a).map(|o| o.1).sum::<f64>()
     };
-    let a = DMatrix::from_fn(equations.len(), chosen.len(), |i, j| coefficient(&equations[i], chosen[j]));
-    let b = DMatrix::from_fn(equations.len(), others.len(), |i, j| -coefficient(&equations[i], others[j]));
+    let a = DMatrix::from_fn(equations.len(), chosen.len(), |i, j| {
+        coefficient(&equations[i], chosen[j])
+    });
+    let b = DMatrix::from_fn(equations.len(), others.len(), |i, j| {
+        -coefficient(&equations[i], others[j])
+    });
     let solution = a
         .lu()
         .solve(&b)
@@ -284,9 +318,17 @@ fn resolve_for(
 
 /// Six rigid motions about `origin` at one node, in its frame: [motion][degree of freedom].
 pub(crate) fn rigid_motions(position: &Vector3<f64>, frame: &Matrix3<f64>, origin: &Vector3<f64>) -> [[f64; 6]; 6] {
-    let node = Node { id: 0, position: *position, frame: *frame, scalar: false };
+    let node = Node {
+        id: 0,
+        position: *position,
+        frame: *frame,
+        scalar: false,
+    };
     let mut out = [[0.0; 6]; 6];
-    for (d, row) in (0..6).filter_map(Dof::from_index).map(|d| (d.index(), rigid_row(&node, d, origin))) {
+    for (d, row) in (0..6)
+        .filter_map(Dof::from_index)
+        .map(|d| (d.index(), rigid_row(&node, d, origin)))
+    {
         for (motion, value) in row.into_iter().enumerate() {
             out[motion][d] = value;
         }

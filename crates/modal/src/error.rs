@@ -244,3 +244,35 @@ pub enum TableError {
         needed: usize,
     },
 }
+
+/// A plate wing that cannot be meshed.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum WingError {
+    /// No element would fit.
+    #[error("plate wing: needs at least 2 x 2 nodes, got {chordwise} chordwise x {spanwise} spanwise")]
+    TooFewNodes {
+        /// Chordwise.
+        chordwise: usize,
+        /// Spanwise.
+        spanwise: usize,
+    },
+    /// A clamped node that is not on the root.
+    #[error("plate wing, root clamp: needed node numbers from 1 to {last} (at least one), got {node}")]
+    RootNode {
+        /// Given.
+        node: usize,
+        /// Nodes of the root.
+        last: usize,
+    },
+    /// A table of ordinates that is no section.
+    #[error("airfoil ordinates, point {point}: needed {needed}, got {got}")]
+    Ordinates {
+        /// Point from 1.
+        point: usize,
+        /// What was needed.
+        needed: &'static str,
+        /// What was given.
+        got: f64,
+    },
+}

@@ -86,8 +86,18 @@ impl Pencil {
             SymmetricOrdering::Amd,
             CholeskySymbolicParams::default(),
         )
-        .map_err(|e| ModelError::Factorization { size, cause: format!("{e:?}") })?;
-        Ok(Self { size, column_start, row, stiffness: k, mass: m, symbolic })
+        .map_err(|e| ModelError::Factorization {
+            size,
+            cause: format!("{e:?}"),
+        })?;
+        Ok(Self {
+            size,
+            column_start,
+            row,
+            stiffness: k,
+            mass: m,
+            symbolic,
+        })
     }
 
     /// Number of degrees of freedom.
@@ -97,13 +107,18 @@ impl Pencil {
 
     /// K - sigma M in factors.
     pub fn factor(&self, sigma: f64) -> Result<Factor<'_>, FactorError> {
-        let shifted: Vec<f64> = self.stiffness.iter().zip(&self.mass).map(|(k, m)| k - sigma * m).collect();
-        let pattern =
-            SymbolicSparseColMatRef::new_checked(self.size, self.size, &self.column_start, None, &self.row);
+        let shifted: Vec<f64> = self
+            .stiffness
+            .iter()
+            .zip(&self.mass)
+            .map(|(k, m)| k - sigma * m)
+            .collect();
+        let pattern = SymbolicSparseColMatRef::new_checked(self.size, self.size, &self.column_start, None, &self.row);
         let matrix = SparseColMatRef::new(pattern, &shifted[..]);
         let mut values = vec![0.0; self.symbolic.len_val()];
         let mut memory = MemBuffer::try_new(
-            self.symbolic.factorize_numeric_ldlt_scratch::<f64>(Par::Seq, faer::Spec::default()),
+            self.symbolic
+                .factorize_numeric_ldlt_scratch::<f64>(Par::Seq, faer::Spec::default()),
         )
         .map_err(|_| {
             let cause = "out of memory".to_owned();
@@ -123,7 +138,10 @@ impl Pencil {
                 let original = self.symbolic.perm().map_or(index, |p| p.arrays().0[index]);
                 FactorError::ZeroPivot(original)
             })?;
-        Ok(Factor { symbolic: &self.symbolic, values })
+        Ok(Factor {
+            symbolic: &self.symbolic,
+            values,
+        })
     }
 
     /// K x.
@@ -178,8 +196,13 @@ impl Factor<'_> {
     /// Solves for every column of `x` (size x columns, column by column) in place.
     pub fn solve(&self, x: &mut [f64], columns: usize) -> Result<(), ModelError> {
         let size = self.symbolic.nrows();
-        let mut memory = MemBuffer::try_new(self.symbolic.solve_in_place_scratch::<f64>(columns, Par::Seq))
-            .map_err(|_| ModelError::Factorization { size, cause: "out of memory".to_owned() })?;
+        let mut memory =
+            MemBuffer::try_new(self.symbolic.solve_in_place_scratch::<f64>(columns, Par::Seq)).map_err(|_| {
+                ModelError::Factorization {
+                    size,
+                    cause: "out of memory".to_owned(),
+                }
+            })?;
         LdltRef::new(self.symbolic, &self.values).solve_in_place_with_conj(
             Conj::No,
             MatMut::from_column_major_slice_mut(x, size, columns),

@@ -11,7 +11,14 @@ use crate::error::ModelError;
 /// M = [[m 1, -m r~], [m r~, I - m r~ r~]] with r~ v = r x v.
 pub(crate) fn node_mass(mass: &NodeMass) -> Result<(u32, Matrix6<f64>), ModelError> {
     let (node, matrix, place) = match mass {
-        NodeMass::Point { id, node, mass, offset, inertia, axes } => {
+        NodeMass::Point {
+            id,
+            node,
+            mass,
+            offset,
+            inertia,
+            axes,
+        } => {
             let r = (axes * offset).cross_matrix();
             let inertia = axes * inertia * axes.transpose();
             let mut m = Matrix6::zeros();
@@ -47,10 +54,21 @@ pub(crate) fn node_mass(mass: &NodeMass) -> Result<(u32, Matrix6<f64>), ModelErr
 pub(crate) fn general_stiffness(g: &GeneralElement) -> Result<DMatrix<f64>, ModelError> {
     let n = g.dofs.len();
     let place = || format!("general element {}", g.id);
-    let bad = |name, needed, got: String| Err(ModelError::BadValue { place: place(), name, needed, got });
+    let bad = |name, needed, got: String| {
+        Err(ModelError::BadValue {
+            place: place(),
+            name,
+            needed,
+            got,
+        })
+    };
     let (GeneralMatrix::Flexibility(given) | GeneralMatrix::Stiffness(given)) = &g.matrix;
     if given.nrows() != n || given.ncols() != n {
-        return bad("the matrix", "one row and column per degree of freedom", format!("{:?}", given.shape()));
+        return bad(
+            "the matrix",
+            "one row and column per degree of freedom",
+            format!("{:?}", given.shape()),
+        );
     }
     if given.iter().any(|v| !v.is_finite()) {
         return bad("the matrix", "finite values", "a value that is not".to_owned());
@@ -65,13 +83,21 @@ pub(crate) fn general_stiffness(g: &GeneralElement) -> Result<DMatrix<f64>, Mode
         // LU and not Cholesky: measured influence coefficients need not be positive definite.
         GeneralMatrix::Flexibility(_) => {
             // Displacements and rotations differ in size by orders: judge singularity on Z scaled by its diagonal.
-            let d = symmetric.diagonal().map(|v| if v > 0.0 { v.sqrt().recip() } else { 1.0 });
+            let d = symmetric
+                .diagonal()
+                .map(|v| if v > 0.0 { v.sqrt().recip() } else { 1.0 });
             let scaled = DMatrix::from_fn(n, n, |i, j| symmetric[(i, j)] * d[i] * d[j]);
             match scaled.try_inverse() {
                 Some(inverse) if inverse.iter().all(|v| v.is_finite()) && inverse.abs().max() < 1e14 => {
                     DMatrix::from_fn(n, n, |i, j| 0.5 * (inverse[(i, j)] + inverse[(j, i)]) * d[i] * d[j])
                 }
-                _ => return bad("the flexibility matrix", "a matrix that can be inverted", format!("{given}")),
+                _ => {
+                    return bad(
+                        "the flexibility matrix",
+                        "a matrix that can be inverted",
+                        format!("{given}"),
+                    );
+                }
             }
         }
     };
@@ -79,11 +105,19 @@ pub(crate) fn general_stiffness(g: &GeneralElement) -> Result<DMatrix<f64>, Mode
         if g.rigid_dofs.is_empty() {
             return Ok(k);
         }
-        return bad("the matrix S", "one, because rigid degrees of freedom are listed", "none".to_owned());
+        return bad(
+            "the matrix S",
+            "one, because rigid degrees of freedom are listed",
+            "none".to_owned(),
+        );
     };
     let r = g.rigid_dofs.len();
     if s.nrows() != n || s.ncols() != r || s.iter().any(|v| !v.is_finite()) {
-        return bad("the matrix S", "finite values, rows as Z and columns as rigid degrees of freedom", format!("{:?}", s.shape()));
+        return bad(
+            "the matrix S",
+            "finite values, rows as Z and columns as rigid degrees of freedom",
+            format!("{:?}", s.shape()),
+        );
     }
     let ks = &k * s;
     let mut full = DMatrix::zeros(n + r, n + r);

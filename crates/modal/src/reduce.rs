@@ -50,7 +50,10 @@ impl Reduction {
 
     /// T u.
     pub fn expand(&self, u: &[f64]) -> Vec<f64> {
-        self.rows.iter().map(|r| r.iter().map(|&(f, c)| c * u[f]).sum()).collect()
+        self.rows
+            .iter()
+            .map(|r| r.iter().map(|&(f, c)| c * u[f]).sum())
+            .collect()
     }
 
     /// T^T f.
@@ -93,7 +96,10 @@ impl Constraints {
                 *s = State::Fixed;
             }
         }
-        let mut out = Self { state, dependences: Vec::new() };
+        let mut out = Self {
+            state,
+            dependences: Vec::new(),
+        };
         for d in dependences(model, index)? {
             out.depend(model, d)?;
         }
@@ -102,7 +108,11 @@ impl Constraints {
             for dof in dofs.iter() {
                 let at = DOFS_PER_NODE * n + dof.index();
                 if let State::Dependent(d) = out.state[at] {
-                    return Err(ModelError::FixedDependent { node, dof, place: out.dependences[d].place.clone() });
+                    return Err(ModelError::FixedDependent {
+                        node,
+                        dof,
+                        place: out.dependences[d].place.clone(),
+                    });
                 }
                 out.state[at] = State::Fixed;
             }
@@ -118,7 +128,11 @@ impl Constraints {
                 self.dependences.push(d);
                 Ok(())
             }
-            State::Fixed => Err(ModelError::FixedDependent { node, dof, place: d.place }),
+            State::Fixed => Err(ModelError::FixedDependent {
+                node,
+                dof,
+                place: d.place,
+            }),
             State::Dependent(other) => Err(ModelError::DependentTwice {
                 node,
                 dof,
@@ -168,7 +182,11 @@ impl Constraints {
                 }
                 if mark[at] == 1 || waiting.iter().any(|&w| mark[w] == 1) {
                     let (node, dof) = node_dof(model, at);
-                    return Err(ModelError::ConstraintCycle { node, dof, place: dependence.place.clone() });
+                    return Err(ModelError::ConstraintCycle {
+                        node,
+                        dof,
+                        place: dependence.place.clone(),
+                    });
                 }
                 mark[at] = 1;
                 stack.extend(waiting);
@@ -204,24 +222,44 @@ impl Constraints {
         }
         let mut out = Vec::new();
         for base in (0..self.state.len()).step_by(3) {
-            let open: Vec<usize> = (base..base + 3).filter(|&a| number[a] != usize::MAX && !keep[a]).collect();
+            let open: Vec<usize> = (base..base + 3)
+                .filter(|&a| number[a] != usize::MAX && !keep[a])
+                .collect();
             let block = DMatrix::from_fn(open.len(), open.len(), |i, j| {
                 stiffness.get(number[open[i]], number[open[j]]).copied().unwrap_or(0.0)
             });
-            for Released { pivot, on, direction, ratio } in without_stiffness(block, limit) {
+            for Released {
+                pivot,
+                on,
+                direction,
+                ratio,
+            } in without_stiffness(block, limit)
+            {
                 let (node, dof) = node_dof(model, open[pivot]);
                 if on.is_empty() {
                     self.state[open[pivot]] = State::Fixed;
                 } else {
                     let on = on.into_iter().map(|(o, c)| (open[o], c)).collect();
                     let place = format!("the automatic support of node {node} {dof}");
-                    self.depend(model, Dependence { at: open[pivot], on, place })?;
+                    self.depend(
+                        model,
+                        Dependence {
+                            at: open[pivot],
+                            on,
+                            place,
+                        },
+                    )?;
                 }
                 let mut axes = [0.0; 3];
                 for (o, value) in open.iter().zip(direction) {
                     axes[o - base] = value;
                 }
-                out.push(AutoSupport { node, dof, direction: axes, ratio });
+                out.push(AutoSupport {
+                    node,
+                    dof,
+                    direction: axes,
+                    ratio,
+                });
             }
         }
         Ok(out)
@@ -283,8 +321,10 @@ fn without_stiffness(block: DMatrix<f64>, limit: f64) -> Vec<Released> {
 }
 
 fn combine(on: &[(usize, f64)], rows: &[Vec<(usize, f64)>]) -> Vec<(usize, f64)> {
-    let mut sum: Vec<(usize, f64)> =
-        on.iter().flat_map(|&(o, c)| rows[o].iter().map(move |&(f, v)| (f, c * v))).collect();
+    let mut sum: Vec<(usize, f64)> = on
+        .iter()
+        .flat_map(|&(o, c)| rows[o].iter().map(move |&(f, v)| (f, c * v)))
+        .collect();
     sum.sort_by_key(|s| s.0);
     sum.dedup_by(|b, a| {
         let same = a.0 == b.0;

@@ -1,7 +1,6 @@
 //! The assembled structure: free stiffness and mass, static solution, static reduction.
 
 use faer::{Mat, Par};
-use nalgebra::Vector3;
 use sprs::CsMat;
 
 use crate::assemble::{NodeMatrices, assemble, place};
@@ -65,16 +64,19 @@ impl Model {
             }
         }
         if reduction.free.is_empty() {
-            return Err(ModelError::Empty { nodes: self.nodes.len() });
+            return Err(ModelError::Empty {
+                nodes: self.nodes.len(),
+            });
         }
         let mass = reduction.apply(&full.mass);
         let mut analysis = Vec::new();
         for &(node, dofs) in &self.analysis_set {
             let n = index.find(node, || "the analysis set".to_owned())?;
             // Those that are fixed or dependent have no equation of their own.
-            analysis.extend(dofs.iter().filter_map(|d| {
-                reduction.free.binary_search(&(DOFS_PER_NODE * n + d.index())).ok()
-            }));
+            analysis.extend(
+                dofs.iter()
+                    .filter_map(|d| reduction.free.binary_search(&(DOFS_PER_NODE * n + d.index())).ok()),
+            );
         }
         analysis.sort_unstable();
         analysis.dedup();
@@ -84,10 +86,24 @@ impl Model {
         let nodes = self
             .nodes
             .iter()
-            .map(|n| ModeNode { id: n.id, position: n.position, frame: n.frame })
+            .map(|n| ModeNode {
+                id: n.id,
+                position: n.position,
+                frame: n.frame,
+            })
             .collect();
         let scalar = self.nodes.iter().map(|n| n.scalar).collect();
-        Ok(System { nodes, scalar, index, full, reduction, stiffness, mass, auto_supports, analysis })
+        Ok(System {
+            nodes,
+            scalar,
+            index,
+            full,
+            reduction,
+            stiffness,
+            mass,
+            auto_supports,
+            analysis,
+        })
     }
 }
 
@@ -99,7 +115,11 @@ impl System {
 
     /// Number of degrees of freedom of the eigenproblem: the analysis set, or all free ones.
     pub fn analysis_size(&self) -> usize {
-        if self.analysis.is_empty() { self.size() } else { self.analysis.len() }
+        if self.analysis.is_empty() {
+            self.size()
+        } else {
+            self.analysis.len()
+        }
     }
 
     /// Nodes in the order of results.
@@ -110,13 +130,18 @@ impl System {
     /// Node and degree of freedom of a free one.
     pub(crate) fn name(&self, free: usize) -> (u32, Dof) {
         let at = self.reduction.free[free];
-        (self.nodes[at / DOFS_PER_NODE].id, Dof::from_index(at % DOFS_PER_NODE).unwrap_or(Dof::T1))
+        (
+            self.nodes[at / DOFS_PER_NODE].id,
+            Dof::from_index(at % DOFS_PER_NODE).unwrap_or(Dof::T1),
+        )
     }
 
     /// Motion of all nodes [node][degree of freedom], node frames, from that of the free ones.
     pub(crate) fn expand(&self, free: &[f64]) -> Vec<[f64; DOFS_PER_NODE]> {
         let all = self.reduction.expand(free);
-        all.chunks_exact(DOFS_PER_NODE).map(|c| std::array::from_fn(|i| c[i])).collect()
+        all.chunks_exact(DOFS_PER_NODE)
+            .map(|c| std::array::from_fn(|i| c[i]))
+            .collect()
     }
 
     pub(crate) fn mechanism(&self, free: usize, ratio: f64) -> ModelError {
@@ -231,11 +256,10 @@ impl System {
             );
             Mat::from_fn(na, na, |i, j| 0.5 * (out[(i, j)] + out[(j, i)]))
         };
-        Ok(Condensed { stiffness: reduce(&self.stiffness), mass: reduce(&self.mass), motion })
-    }
-
-    /// Position of a node, basic axes.
-    pub(crate) fn position(&self, node: usize) -> &Vector3<f64> {
-        &self.nodes[node].position
+        Ok(Condensed {
+            stiffness: reduce(&self.stiffness),
+            mass: reduce(&self.mass),
+            motion,
+        })
     }
 }

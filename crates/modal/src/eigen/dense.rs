@@ -22,11 +22,16 @@ pub(super) fn solve(k: &Mat<f64>, m: &Mat<f64>, shift: Option<f64>) -> Result<Ve
     if let Some(shift) = shift {
         return at_shift(k, m, shift);
     }
-    let bound = (0..n).filter(|&i| m[(i, i)] > 0.0 && k[(i, i)] > 0.0).map(|i| k[(i, i)] / m[(i, i)]);
+    let bound = (0..n)
+        .filter(|&i| m[(i, i)] > 0.0 && k[(i, i)] > 0.0)
+        .map(|i| k[(i, i)] / m[(i, i)]);
     let bound = bound.fold(f64::INFINITY, f64::min);
     let first = if bound.is_finite() { 1e-4 * bound } else { 1.0 };
     let pairs = at_shift(k, m, first)?;
-    let elastic = pairs.iter().find(|p| p.lambda > 100.0 * f64::EPSILON * p.magnitude).map(|p| p.lambda);
+    let elastic = pairs
+        .iter()
+        .find(|p| p.lambda > 100.0 * f64::EPSILON * p.magnitude)
+        .map(|p| p.lambda);
     match elastic {
         Some(e) if !(first / SHIFT_RANGE..first * SHIFT_RANGE).contains(&e) => at_shift(k, m, e),
         _ => Ok(pairs),
@@ -38,8 +43,8 @@ fn at_shift(k: &Mat<f64>, m: &Mat<f64>, shift: f64) -> Result<Vec<Pair>, EigenEr
     let failed = |cause: String| EigenError::Dense { size: n, cause };
     let no_memory = |_| failed("out of memory".to_owned());
     let mut l = Mat::from_fn(n, n, |i, j| k[(i, j)] + shift * m[(i, j)]);
-    let mut memory = MemBuffer::try_new(cholesky_in_place_scratch::<f64>(n, Par::Seq, faer::Spec::default()))
-        .map_err(no_memory)?;
+    let mut memory =
+        MemBuffer::try_new(cholesky_in_place_scratch::<f64>(n, Par::Seq, faer::Spec::default())).map_err(no_memory)?;
     cholesky_in_place(
         l.as_mut(),
         LltRegularization::default(),
@@ -61,7 +66,14 @@ fn at_shift(k: &Mat<f64>, m: &Mat<f64>, shift: f64) -> Result<Vec<Pair>, EigenEr
     }
     let times = |a: &Mat<f64>| {
         let mut out = Mat::<f64>::zeros(n, n);
-        faer::linalg::matmul::matmul(out.as_mut(), Accum::Replace, a.as_ref(), vectors.as_ref(), 1.0, Par::Seq);
+        faer::linalg::matmul::matmul(
+            out.as_mut(),
+            Accum::Replace,
+            a.as_ref(),
+            vectors.as_ref(),
+            1.0,
+            Par::Seq,
+        );
         out
     };
     let (kv, mv) = (times(k), times(m));
@@ -84,7 +96,12 @@ fn at_shift(k: &Mat<f64>, m: &Mat<f64>, shift: f64) -> Result<Vec<Pair>, EigenEr
         let magnitude = (0..n)
             .map(|i| (0..n).map(|p| (shape[i] * k[(i, p)] * shape[p]).abs()).sum::<f64>())
             .sum();
-        pairs.push(Pair { lambda, shape, residual, magnitude });
+        pairs.push(Pair {
+            lambda,
+            shape,
+            residual,
+            magnitude,
+        });
     }
     pairs.sort_by(|a, b| a.lambda.total_cmp(&b.lambda));
     Ok(pairs)

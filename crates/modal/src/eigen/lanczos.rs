@@ -98,7 +98,14 @@ impl<'a> Basis<'a> {
         for _ in 0..2 {
             let weighed = self.weigh(w);
             let mut h = Mat::<f64>::zeros(self.used, columns);
-            faer::linalg::matmul::matmul(h.as_mut(), Accum::Replace, q.transpose(), weighed.as_ref(), 1.0, Par::Seq);
+            faer::linalg::matmul::matmul(
+                h.as_mut(),
+                Accum::Replace,
+                q.transpose(),
+                weighed.as_ref(),
+                1.0,
+                Par::Seq,
+            );
             let target = faer::MatMut::from_column_major_slice_mut(w, n, columns);
             faer::linalg::matmul::matmul(target, Accum::Add, q, h.as_ref(), -1.0, Par::Seq);
             sum += &h;
@@ -118,7 +125,12 @@ impl<'a> Basis<'a> {
             let mut v = w[c * n..(c + 1) * n].to_vec();
             let norm = |v: &[f64], product: &mut [f64], pencil: &Pencil| {
                 pencil.mass_times(v, product);
-                v.iter().zip(product.iter()).map(|(a, b)| a * b).sum::<f64>().max(0.0).sqrt()
+                v.iter()
+                    .zip(product.iter())
+                    .map(|(a, b)| a * b)
+                    .sum::<f64>()
+                    .max(0.0)
+                    .sqrt()
             };
             let first = norm(&v, &mut product, self.pencil);
             for _ in 0..2 {
@@ -165,7 +177,9 @@ impl<'a> Basis<'a> {
     /// Returns the number of columns appended and R.
     fn step(&mut self, from: usize) -> Result<(usize, Mat<f64>), ModelError> {
         let to = self.used;
-        let x: Vec<f64> = (from..to).flat_map(|c| self.q.col(c).iter().copied().collect::<Vec<_>>()).collect();
+        let x: Vec<f64> = (from..to)
+            .flat_map(|c| self.q.col(c).iter().copied().collect::<Vec<_>>())
+            .collect();
         let mut w = self.operate(&x)?;
         let h = self.project_out(&mut w);
         for c in from..to {
@@ -180,8 +194,7 @@ impl<'a> Basis<'a> {
     /// Ritz values, largest first, and vectors [basis][value] over the first `m` columns.
     fn ritz(&self, m: usize) -> Result<(Vec<f64>, Mat<f64>), EigenError> {
         let t = Mat::from_fn(m, m, |i, j| 0.5 * (self.t[(i, j)] + self.t[(j, i)]));
-        let (values, vectors) =
-            symmetric_eigen(t.as_ref()).map_err(|cause| EigenError::Dense { size: m, cause })?;
+        let (values, vectors) = symmetric_eigen(t.as_ref()).map_err(|cause| EigenError::Dense { size: m, cause })?;
         let order: Vec<usize> = (0..m).rev().collect();
         let sorted = Mat::from_fn(m, m, |i, j| vectors[(i, order[j])]);
         Ok((order.iter().map(|&j| values[j]).collect(), sorted))
@@ -191,7 +204,14 @@ impl<'a> Basis<'a> {
     fn lift(&self, y: &Mat<f64>, m: usize, count: usize) -> Mat<f64> {
         let mut out = Mat::<f64>::zeros(self.pencil.size(), count);
         let q = self.q.as_ref().subcols(0, m);
-        faer::linalg::matmul::matmul(out.as_mut(), Accum::Replace, q, y.as_ref().subcols(0, count), 1.0, Par::Seq);
+        faer::linalg::matmul::matmul(
+            out.as_mut(),
+            Accum::Replace,
+            q,
+            y.as_ref().subcols(0, count),
+            1.0,
+            Par::Seq,
+        );
         out
     }
 
@@ -262,7 +282,9 @@ pub(super) fn solve(
             norm2.sqrt() / theta[j].abs().max(f64::MIN_POSITIVE)
         };
         let enough = count.min(processed);
-        worst = (0..enough).map(|j| (j, estimate(j))).fold((0, 0.0), |a, b| if b.1 > a.1 { b } else { a });
+        worst = (0..enough)
+            .map(|j| (j, estimate(j)))
+            .fold((0, 0.0), |a, b| if b.1 > a.1 { b } else { a });
         let exhausted = added == 0;
         if (processed >= count && worst.1 <= wanted) || exhausted {
             let positive = (0..enough).filter(|&j| theta[j] > 1e-14 * theta[0]).count();
@@ -271,8 +293,17 @@ pub(super) fn solve(
                 .map(|j| pair(pencil, factor, shift, lifted.col(j).iter().copied().collect()))
                 .collect::<Result<Vec<_>, _>>()?;
             pairs.sort_by(|a, b| a.lambda.total_cmp(&b.lambda));
-            if let Some((mode, p)) = pairs.iter().enumerate().find(|(_, p)| p.residual > tolerance && !round_off(p, shift)) {
-                return Err(EigenError::NotConverged { mode: mode + 1, residual: p.residual, tolerance, steps: processed / BLOCK });
+            if let Some((mode, p)) = pairs
+                .iter()
+                .enumerate()
+                .find(|(_, p)| p.residual > tolerance && !round_off(p, shift))
+            {
+                return Err(EigenError::NotConverged {
+                    mode: mode + 1,
+                    residual: p.residual,
+                    tolerance,
+                    steps: processed / BLOCK,
+                });
             }
             let next = theta.get(enough).filter(|t| **t > 0.0).map(|t| 1.0 / t - shift);
             return Ok(Found { pairs, next });
@@ -294,7 +325,12 @@ pub(super) fn solve(
             from = processed;
         }
     }
-    Err(EigenError::NotConverged { mode: worst.0 + 1, residual: worst.1, tolerance, steps: MAX_BLOCKS })
+    Err(EigenError::NotConverged {
+        mode: worst.0 + 1,
+        residual: worst.1,
+        tolerance,
+        steps: MAX_BLOCKS,
+    })
 }
 
 /// Whether the residual is what round-off in K alone makes it.
@@ -321,5 +357,10 @@ fn pair(pencil: &Pencil, factor: &Factor<'_>, shift: f64, mut shape: Vec<f64>) -
     factor.solve(&mut z, 1)?;
     let residual = (dot(&r, &z).max(0.0) / (lambda + shift).abs().max(f64::MIN_POSITIVE)).sqrt();
     let magnitude = pencil.stiffness_magnitude(&shape);
-    Ok(Pair { lambda, shape, residual, magnitude })
+    Ok(Pair {
+        lambda,
+        shape,
+        residual,
+        magnitude,
+    })
 }

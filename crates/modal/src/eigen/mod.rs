@@ -68,7 +68,10 @@ impl Default for ModesRequest {
 impl ModesRequest {
     /// The `count` lowest modes, mass-normalized.
     pub fn lowest(count: usize) -> Self {
-        Self { count, ..Self::default() }
+        Self {
+            count,
+            ..Self::default()
+        }
     }
 }
 
@@ -106,7 +109,11 @@ impl System {
             }
             .into());
         }
-        let mut pairs = if self.analysis.is_empty() { self.pairs_free(request)? } else { self.pairs_reduced(request)? };
+        let mut pairs = if self.analysis.is_empty() {
+            self.pairs_free(request)?
+        } else {
+            self.pairs_reduced(request)?
+        };
         if let Some(limit) = request.max_freq_hz {
             pairs.retain(|p| p.lambda.max(0.0).sqrt() <= limit * std::f64::consts::TAU);
         }
@@ -121,7 +128,8 @@ impl System {
         for (mode, pair) in pairs.into_iter().enumerate() {
             // A strain energy within the round-off of its terms is that of a rigid motion.
             let rigid = pair.lambda.abs() <= 100.0 * f64::EPSILON * pair.magnitude;
-            out.omega_rad_s.push(if rigid { 0.0 } else { pair.lambda.max(0.0).sqrt() });
+            out.omega_rad_s
+                .push(if rigid { 0.0 } else { pair.lambda.max(0.0).sqrt() });
             let mut shape = self.expand(&pair.shape);
             let factor = self.scale(&shape, mode, request.normalization)?;
             shape.iter_mut().flatten().for_each(|v| *v *= factor);
@@ -140,9 +148,17 @@ impl System {
         normalization: Normalization,
     ) -> Result<f64, EigenError> {
         let largest = |dofs: std::ops::Range<usize>| {
-            let peak = shape.iter().flat_map(|s| &s[dofs.clone()]).fold(0.0_f64, |m, v| m.max(v.abs()));
+            let peak = shape
+                .iter()
+                .flat_map(|s| &s[dofs.clone()])
+                .fold(0.0_f64, |m, v| m.max(v.abs()));
             // The first of those that are equal up to round-off, so that symmetric shapes keep one sign.
-            shape.iter().flat_map(|s| &s[dofs.clone()]).copied().find(|v| v.abs() >= peak * (1.0 - 1e-6)).unwrap_or(0.0)
+            shape
+                .iter()
+                .flat_map(|s| &s[dofs.clone()])
+                .copied()
+                .find(|v| v.abs() >= peak * (1.0 - 1e-6))
+                .unwrap_or(0.0)
         };
         let translation = largest(0..3);
         let sign = if translation != 0.0 { translation } else { largest(3..6) }.signum();
@@ -163,7 +179,11 @@ impl System {
                 let value = shape[n][at.dof.index()];
                 let peak = shape.iter().flatten().fold(0.0_f64, |m, v| m.max(v.abs()));
                 if value.abs() <= 1e-9 * peak {
-                    return Err(EigenError::BadNormalization { mode: mode + 1, node: at.node, dof: at.dof });
+                    return Err(EigenError::BadNormalization {
+                        mode: mode + 1,
+                        node: at.node,
+                        dof: at.dof,
+                    });
                 }
                 1.0 / value
             }
@@ -176,7 +196,13 @@ impl System {
         let n = self.size();
         for pair in &mut pairs {
             pair.shape = (0..n)
-                .map(|i| pair.shape.iter().enumerate().map(|(j, v)| condensed.motion[(i, j)] * v).sum())
+                .map(|i| {
+                    pair.shape
+                        .iter()
+                        .enumerate()
+                        .map(|(j, v)| condensed.motion[(i, j)] * v)
+                        .sum()
+                })
                 .collect();
         }
         Ok(pairs)
@@ -191,9 +217,15 @@ impl System {
         }
         // A unit motion of one degree of freedom has the Rayleigh quotient k/m: the lowest bounds the
         // lowest eigenvalue from above, by a factor of about the fourth power of the elements across.
-        let bound = k.iter().zip(&m).filter(|(k, m)| **m > 0.0 && **k > 0.0).map(|(k, m)| k / m);
+        let bound = k
+            .iter()
+            .zip(&m)
+            .filter(|(k, m)| **m > 0.0 && **k > 0.0)
+            .map(|(k, m)| k / m);
         let bound = bound.fold(f64::INFINITY, f64::min);
-        let mut shift = request.shift.unwrap_or(if bound.is_finite() { 1e-4 * bound } else { 1.0 });
+        let mut shift = request
+            .shift
+            .unwrap_or(if bound.is_finite() { 1e-4 * bound } else { 1.0 });
         let mut factor = self.factor(&pencil, shift)?;
         if n <= DENSE_SIZE || (n <= DENSE_LIMIT && 4 * request.count >= n) {
             // The factorization above has found mechanisms, with their names.
@@ -229,7 +261,9 @@ impl System {
     fn count_below(&self, pencil: &Pencil, found: &lanczos::Found) -> Result<(), EigenError> {
         let lambda: Vec<f64> = found.pairs.iter().map(|p| p.lambda).chain(found.next).collect();
         // The highest gap that is wide against round-off.
-        let gap = (1..lambda.len()).rev().find(|&i| lambda[i] > 0.0 && lambda[i] - lambda[i - 1] > 1e-3 * lambda[i]);
+        let gap = (1..lambda.len())
+            .rev()
+            .find(|&i| lambda[i] > 0.0 && lambda[i] - lambda[i - 1] > 1e-3 * lambda[i]);
         let Some(below) = gap else { return Ok(()) };
         // Nearer to the mode below: the value above may not have converged, and falls when it does.
         let at = lambda[below - 1].max(0.0) + 0.25 * (lambda[below] - lambda[below - 1].max(0.0));
@@ -240,7 +274,11 @@ impl System {
         if counted == below {
             return Ok(());
         }
-        Err(EigenError::Missed { found: below, counted, omega_rad_s: at.sqrt() })
+        Err(EigenError::Missed {
+            found: below,
+            counted,
+            omega_rad_s: at.sqrt(),
+        })
     }
 }
 

@@ -48,9 +48,20 @@ impl Side {
             let along = Vector2::new(c, s);
             let s_s = along.dot(&(g * along));
             // A side along a knife edge has neither stiffness: its rotation is then Kirchhoff's.
-            if s_s > 0.0 { 12.0 * e.dot(&(d * e)) / (s_s * length * length) } else { 0.0 }
+            if s_s > 0.0 {
+                12.0 * e.dot(&(d * e)) / (s_s * length * length)
+            } else {
+                0.0
+            }
         });
-        Self { i, j, length, c, s, phi }
+        Self {
+            i,
+            j,
+            length,
+            c,
+            s,
+            phi,
+        }
     }
 
     /// Delta as a row over (w, beta_x, beta_y) of corner i, then of corner j.
@@ -87,10 +98,18 @@ pub(crate) fn triangle_bubbles(l: &[f64; 3], gradient: &[[f64; 2]; 3]) -> [[f64;
 /// natural components vary linearly between opposite sides. [row = gamma_x, gamma_y][side]
 pub(crate) fn quad_shear(xi: f64, eta: f64, sides: &[Side; 4], jacobian: &Jacobian) -> [[f64; 4]; 2] {
     // gamma_xi = gamma_s ds/dxi with ds/dxi = +- L/2: sides 34 and 41 run against xi and eta.
-    let xi_part =
-        [0.25 * (1.0 - eta) * sides[0].length, 0.0, -0.25 * (1.0 + eta) * sides[2].length, 0.0];
-    let eta_part =
-        [0.0, 0.25 * (1.0 + xi) * sides[1].length, 0.0, -0.25 * (1.0 - xi) * sides[3].length];
+    let xi_part = [
+        0.25 * (1.0 - eta) * sides[0].length,
+        0.0,
+        -0.25 * (1.0 + eta) * sides[2].length,
+        0.0,
+    ];
+    let eta_part = [
+        0.0,
+        0.25 * (1.0 + xi) * sides[1].length,
+        0.0,
+        -0.25 * (1.0 - xi) * sides[3].length,
+    ];
     let mut out = [[0.0; 4]; 2];
     for side in 0..4 {
         let g = jacobian.gradient(xi_part[side], eta_part[side]);

@@ -24,7 +24,12 @@ impl<'a> SectionField<'a> {
             ShellThickness::Corner(_) | ShellThickness::Integration(_) => None,
         };
         let uniform = uniform.map(|t| turned(section.stiffness(t), angle_rad));
-        Self { section, thickness, angle_rad, uniform }
+        Self {
+            section,
+            thickness,
+            angle_rad,
+            uniform,
+        }
     }
 
     /// At an integration point: its number, and the shape functions of the corners there.

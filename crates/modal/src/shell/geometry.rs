@@ -38,8 +38,18 @@ pub(crate) fn quad_shape(xi: f64, eta: f64) -> [f64; 4] {
 /// Derivatives of the bilinear shape functions by xi and by eta.
 pub(crate) fn quad_shape_derivatives(xi: f64, eta: f64) -> ([f64; 4], [f64; 4]) {
     (
-        [-0.25 * (1.0 - eta), 0.25 * (1.0 - eta), 0.25 * (1.0 + eta), -0.25 * (1.0 + eta)],
-        [-0.25 * (1.0 - xi), -0.25 * (1.0 + xi), 0.25 * (1.0 + xi), 0.25 * (1.0 - xi)],
+        [
+            -0.25 * (1.0 - eta),
+            0.25 * (1.0 - eta),
+            0.25 * (1.0 + eta),
+            -0.25 * (1.0 + eta),
+        ],
+        [
+            -0.25 * (1.0 - xi),
+            -0.25 * (1.0 + xi),
+            0.25 * (1.0 + xi),
+            0.25 * (1.0 - xi),
+        ],
     )
 }
 
@@ -58,7 +68,10 @@ impl Jacobian {
         let sum = |d: &[f64], axis: usize| d.iter().zip(corners).map(|(a, c)| a * c[axis]).sum::<f64>();
         let (x_xi, y_xi, x_eta, y_eta) = (sum(d_xi, 0), sum(d_xi, 1), sum(d_eta, 0), sum(d_eta, 1));
         let det = x_xi * y_eta - x_eta * y_xi;
-        Self { det, inverse: [[y_eta / det, -y_xi / det], [-x_eta / det, x_xi / det]] }
+        Self {
+            det,
+            inverse: [[y_eta / det, -y_xi / det], [-x_eta / det, x_xi / det]],
+        }
     }
 
     /// (d/dx, d/dy) of a function from its natural derivatives.
@@ -90,8 +103,14 @@ impl ShellPlane {
     /// [`ModelError::BadElement`]: no area, crossed or re-entrant corners, or warped too far.
     pub fn new(points: &[Vector3<f64>], place: &dyn Fn() -> String) -> Result<Self, ModelError> {
         let n = points.len();
-        let bad =
-            |problem, measure, limit| Err(ModelError::BadElement { place: place(), problem, measure, limit });
+        let bad = |problem, measure, limit| {
+            Err(ModelError::BadElement {
+                place: place(),
+                problem,
+                measure,
+                limit,
+            })
+        };
         let centre = points.iter().sum::<Vector3<f64>>() / n as f64;
         // Twice the area vector; for a quadrilateral the diagonals' product gives the mean plane.
         let twice = if n == 4 {
@@ -99,7 +118,9 @@ impl ShellPlane {
         } else {
             (points[1] - points[0]).cross(&(points[2] - points[0]))
         };
-        let longest = (0..n).map(|i| (points[(i + 1) % n] - points[i]).norm()).fold(0.0, f64::max);
+        let longest = (0..n)
+            .map(|i| (points[(i + 1) % n] - points[i]).norm())
+            .fold(0.0, f64::max);
         let shape = 0.5 * twice.norm() / (longest * longest);
         // A NaN (all nodes at one point) must not pass.
         if shape.is_nan() || shape < AREA_LIMIT {
@@ -109,7 +130,11 @@ impl ShellPlane {
         let side = points[1] - points[0];
         let in_plane = side - z * z.dot(&side);
         if in_plane.norm() < AREA_LIMIT.sqrt() * longest {
-            return bad("side 1-2 has no length in the plane", in_plane.norm() / longest, AREA_LIMIT.sqrt());
+            return bad(
+                "side 1-2 has no length in the plane",
+                in_plane.norm() / longest,
+                AREA_LIMIT.sqrt(),
+            );
         }
         let x = in_plane.normalize();
         let y = z.cross(&x);
@@ -126,11 +151,21 @@ impl ShellPlane {
                 let (a, b) = quad_shape_derivatives(xi, eta);
                 let ratio = 4.0 * Jacobian::new(&a, &b, &corners).det / area;
                 if ratio < JACOBIAN_LIMIT {
-                    return bad("crossed, reversed or re-entrant corners (Jacobian over mean)", ratio, JACOBIAN_LIMIT);
+                    return bad(
+                        "crossed, reversed or re-entrant corners (Jacobian over mean)",
+                        ratio,
+                        JACOBIAN_LIMIT,
+                    );
                 }
             }
         }
         let to_plane = local.iter().map(|p| z * -p.z).collect();
-        Ok(Self { axes, corners, to_plane, area, warp })
+        Ok(Self {
+            axes,
+            corners,
+            to_plane,
+            area,
+            warp,
+        })
     }
 }

@@ -49,7 +49,12 @@ struct StrainRows<const N: usize> {
 
 impl<const N: usize> StrainRows<N> {
     fn zero() -> Self {
-        Self { membrane: [[0.0; N]; 3], curvature: [[0.0; N]; 3], shear: [[0.0; N]; 2], drilling: [0.0; N] }
+        Self {
+            membrane: [[0.0; N]; 3],
+            curvature: [[0.0; N]; 3],
+            shear: [[0.0; N]; 2],
+            drilling: [0.0; N],
+        }
     }
 
     /// Membrane strain of a displacement field with gradient (`dx`, `dy`) whose degrees of freedom u, v
@@ -175,7 +180,8 @@ fn check_thickness(shell: &Shell, corners: usize, place: &dyn Fn() -> String) ->
         ShellThickness::Corner(t) | ShellThickness::Integration(t) => &t[..corners],
     };
     // A single corner may end in a knife edge; an element without any thickness has no stiffness.
-    let bad = values.iter().any(|t| !(t.is_finite() && *t >= 0.0)) || (!values.is_empty() && values.iter().sum::<f64>() <= 0.0);
+    let bad = values.iter().any(|t| !(t.is_finite() && *t >= 0.0))
+        || (!values.is_empty() && values.iter().sum::<f64>() <= 0.0);
     if bad || !shell.offset.is_finite() {
         return Err(ModelError::BadValue {
             place: place(),
@@ -200,8 +206,11 @@ pub(crate) fn matrices(
     check_thickness(shell, points.len(), &place)?;
     let field = SectionField::new(section, shell.thickness, material_angle(shell, &plane, &place)?);
     let drilling = 1e-6 * settings.drilling;
-    let (stiffness, mut mass) =
-        if points.len() == 4 { quad(&plane, &field, drilling) } else { triangle(&plane, &field, drilling) };
+    let (stiffness, mut mass) = if points.len() == 4 {
+        quad(&plane, &field, drilling)
+    } else {
+        triangle(&plane, &field, drilling)
+    };
     if settings.mass == MassForm::Lumped {
         mass.lump();
     }
@@ -222,7 +231,10 @@ pub(crate) fn matrices(
     let offset = plane.axes.column(2) * shell.offset;
     let arms: Vec<Vector3<f64>> = plane.to_plane.iter().map(|p| p + offset).collect();
     let turn = to_element(&plane.axes, &arms);
-    Ok(ElementMatrices { stiffness: turn.tr_mul(&stiffness) * &turn, mass: turn.tr_mul(&local_mass) * &turn })
+    Ok(ElementMatrices {
+        stiffness: turn.tr_mul(&stiffness) * &turn,
+        mass: turn.tr_mul(&local_mass) * &turn,
+    })
 }
 
 /// Matrix that takes displacements and rotations of nodes in basic axes to those of points at `arms`
@@ -234,7 +246,8 @@ pub(crate) fn to_element(axes: &Matrix3<f64>, arms: &[Vector3<f64>]) -> DMatrix<
     for (i, r) in arms.iter().enumerate() {
         t.fixed_view_mut::<3, 3>(6 * i, 6 * i).copy_from(&et);
         t.fixed_view_mut::<3, 3>(6 * i + 3, 6 * i + 3).copy_from(&et);
-        t.fixed_view_mut::<3, 3>(6 * i, 6 * i + 3).copy_from(&(-et * r.cross_matrix()));
+        t.fixed_view_mut::<3, 3>(6 * i, 6 * i + 3)
+            .copy_from(&(-et * r.cross_matrix()));
     }
     t
 }
@@ -252,7 +265,10 @@ fn quad(plane: &ShellPlane, field: &SectionField, drilling: f64) -> (DMatrix<f64
     let (centre_xi, centre_eta) = quad_shape_derivatives(0.0, 0.0);
     let centre = Jacobian::new(&centre_xi, &centre_eta, corners);
     let mut k = SMatrix::<f64, QUAD, QUAD>::zeros();
-    let mut mass = CornerMass { translation: [[0.0; 4]; 4], rotation: [[0.0; 4]; 4] };
+    let mut mass = CornerMass {
+        translation: [[0.0; 4]; 4],
+        rotation: [[0.0; 4]; 4],
+    };
     for (point, [xi, eta]) in quad_points().into_iter().enumerate() {
         let shape = quad_shape(xi, eta);
         let (d_xi, d_eta) = quad_shape_derivatives(xi, eta);
@@ -269,8 +285,9 @@ fn quad(plane: &ShellPlane, field: &SectionField, drilling: f64) -> (DMatrix<f64
         // Incompatible modes 1 - xi^2 and 1 - eta^2 with the Jacobian of the centre, so that they do no
         // work on a constant stress (patch test).
         let ratio = centre.det / jacobian.det;
-        for (mode, gradient) in
-            [centre.gradient(-2.0 * xi, 0.0), centre.gradient(0.0, -2.0 * eta)].into_iter().enumerate()
+        for (mode, gradient) in [centre.gradient(-2.0 * xi, 0.0), centre.gradient(0.0, -2.0 * eta)]
+            .into_iter()
+            .enumerate()
         {
             let at = 24 + 2 * mode;
             rows.add_membrane(at, at + 1, gradient.map(|g| g * ratio));
@@ -310,7 +327,10 @@ fn triangle(plane: &ShellPlane, field: &SectionField, drilling: f64) -> (DMatrix
         Side::new(i, j, c, &s.bending, s.shear.as_ref())
     });
     let mut k = SMatrix::<f64, TRIANGLE, TRIANGLE>::zeros();
-    let mut mass = CornerMass { translation: [[0.0; 4]; 4], rotation: [[0.0; 4]; 4] };
+    let mut mass = CornerMass {
+        translation: [[0.0; 4]; 4],
+        rotation: [[0.0; 4]; 4],
+    };
     let weight = plane.area / 3.0;
     for (point, l) in triangle_points().into_iter().enumerate() {
         let mut rows = StrainRows::<TRIANGLE>::zero();
@@ -326,5 +346,8 @@ fn triangle(plane: &ShellPlane, field: &SectionField, drilling: f64) -> (DMatrix
         rows.add_energy(&mut k, &s, drilling, weight);
         mass.add(&l, &s, weight);
     }
-    (DMatrix::from_fn(TRIANGLE, TRIANGLE, |i, j| 0.5 * (k[(i, j)] + k[(j, i)])), mass)
+    (
+        DMatrix::from_fn(TRIANGLE, TRIANGLE, |i, j| 0.5 * (k[(i, j)] + k[(j, i)])),
+        mass,
+    )
 }
