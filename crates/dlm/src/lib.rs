@@ -18,11 +18,13 @@
 
 pub mod aic;
 pub mod gaf;
+mod hash;
 pub mod kernel;
 pub mod lattice;
 mod matrix;
 pub mod motion;
 pub mod spline;
+pub mod store;
 
 pub use faer::c64;
 pub use matrix::ComplexMatrix;

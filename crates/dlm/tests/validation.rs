@@ -51,7 +51,7 @@ fn kernel(name: &str) -> Kernel {
 fn difference(a: &[c64], b: &[c64]) -> f64 {
     assert_eq!(a.len(), b.len());
     let top: f64 = a.iter().zip(b).map(|(a, b)| (a - b).norm_sqr()).sum();
-    let bottom: f64 = b.iter().map(|b| b.norm_sqr()).sum();
+    let bottom: f64 = b.iter().map(c64::norm_sqr).sum();
     (top / bottom).sqrt()
 }
 

@@ -8,6 +8,8 @@ mod surface;
 pub use check::{Finding, FindingKind, Severity, boxes_per_wavelength};
 pub use surface::{ControlSurface, Divisions, Surface};
 
+use crate::hash::Fnv128;
+
 /// What is wrong with the description of a lattice.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum LatticeError {
@@ -245,14 +247,8 @@ impl Lattice {
     /// A 128-bit hash of all that the influence coefficients depend on: box geometry, interference groups, symmetry.
     /// Equal geometry gives equal bits on every machine.
     pub fn geometry_hash(&self) -> u128 {
-        // FNV-1a, 128 bits (Fowler, Noll, Vo; draft-eastlake-fnv).
-        const PRIME: u128 = 0x0000_0000_0100_0000_0000_0000_0000_013B;
-        let mut hash: u128 = 0x6c62_272e_07bb_0142_62b8_2175_6295_c58d;
-        let mut add = |bytes: &[u8]| {
-            for &byte in bytes {
-                hash = (hash ^ u128::from(byte)).wrapping_mul(PRIME);
-            }
-        };
+        let mut hash = Fnv128::new();
+        let mut add = |bytes: &[u8]| hash.add(bytes);
         add(&[self.symmetry_y.sign() as i8 as u8, self.symmetry_z.sign() as i8 as u8]);
         add(&(self.boxes.len() as u64).to_le_bytes());
         for b in &self.boxes {
@@ -265,7 +261,7 @@ impl Lattice {
             add(&b.chord.to_le_bytes());
             add(&self.surfaces[b.surface].interference_group.to_le_bytes());
         }
-        hash
+        hash.value()
     }
 }
 
