@@ -19,18 +19,29 @@
 //!
 //! SI units; omega in rad/s; g = 2 sigma / omega, positive unstable.
 
+mod assignment;
 mod boundary;
+mod characteristic;
+mod crossing;
 mod error;
+mod follow;
 mod forces;
+mod k_method;
+mod linear;
+mod p_method;
 mod problem;
 mod solution;
+mod solve;
 mod structure;
+pub mod theodorsen;
 
 pub use boundary::{BoundaryPoint, SpeedIndexReference};
 pub use error::{FlutterError, Result};
 pub use forces::{Extension, GeneralizedForces, Interpolation, KDomain, KRange, TabulatedForces};
+pub use k_method::{KRoot, k_roots, solve_k};
 pub use problem::{AirState, Atmosphere, FlutterProblem, OutOfRange, Settings, Sweep};
 pub use solution::{
     Crossing, CrossingKind, Direction, FlutterSolution, Hump, Method, ModeCurve, ModePoint, Severity, Warning,
 };
+pub use solve::{BoundaryCase, solve, solve_boundary};
 pub use structure::{DampingForm, NaturalModes, StructuralDamping, Structure};

@@ -18,7 +18,11 @@ pub(crate) struct Lu {
 
 impl Lu {
     pub fn new(n: usize) -> Self {
-        Self { n, factors: vec![c64::new(0.0, 0.0); n * n], pivots: vec![0; n] }
+        Self {
+            n,
+            factors: vec![c64::new(0.0, 0.0); n * n],
+            pivots: vec![0; n],
+        }
     }
 
     /// Factors `a`; pivots smaller than round-off are replaced by round-off.
@@ -26,10 +30,15 @@ impl Lu {
         let n = self.n;
         self.factors.copy_from_slice(a);
         let lu = &mut self.factors;
-        let scale = lu.iter().fold(0.0_f64, |m, v| m.max(v.l1_norm())).max(f64::MIN_POSITIVE);
+        // The second bound is for a matrix of zeros (one mode exactly at its root); its square must not underflow.
+        let floor = (f64::EPSILON * lu.iter().fold(0.0_f64, |m, v| m.max(v.l1_norm()))).max(1e-140);
         for j in 0..n {
             let pivot = (j..n).fold(j, |best, i| {
-                if lu[j * n + i].norm_sqr() > lu[j * n + best].norm_sqr() { i } else { best }
+                if lu[j * n + i].norm_sqr() > lu[j * n + best].norm_sqr() {
+                    i
+                } else {
+                    best
+                }
             });
             self.pivots[j] = pivot;
             if pivot != j {
@@ -37,8 +46,8 @@ impl Lu {
                     lu.swap(column * n + j, column * n + pivot);
                 }
             }
-            if lu[j * n + j].l1_norm() < f64::EPSILON * scale {
-                lu[j * n + j] = c64::new(f64::EPSILON * scale, 0.0);
+            if lu[j * n + j].l1_norm() < floor {
+                lu[j * n + j] = c64::new(floor, 0.0);
             }
             let inverse = lu[j * n + j].inv();
             for i in j + 1..n {
@@ -117,20 +126,22 @@ pub(crate) fn dot(y: &[c64], x: &[c64]) -> c64 {
     y.iter().zip(x).map(|(a, b)| a.conj() * b).sum()
 }
 
-/// Eigenvalues and right vectors (columns) of A x = lambda B x for B well conditioned after scaling, else infinite ones dropped.
+/// Eigenvalues and unit right vectors of A x = lambda B x by B^-1 A.
+///
+/// B must not be singular; where it nearly is, eigenvalues come out huge. (The QZ solution of faer 0.24.4 overruns its work
+/// space for small matrices, and B is well conditioned at every call.)
 pub(crate) fn eigen_pencil(n: usize, a: &[c64], b: &[c64], at: &str) -> Result<Vec<(c64, Vec<c64>)>> {
-    let fail = || FlutterError::Eigen { at: at.to_string() };
-    let full = |m: &[c64]| Mat::from_fn(n, n, |i, j| m[j * n + i]);
-    let eigen = full(a).generalized_eigen(full(b)).map_err(|_| fail())?;
-    let (alpha, beta) = (eigen.S_a(), eigen.S_b());
+    let mut lu = Lu::new(n);
+    lu.factor(b);
+    let mut standard = a.to_vec();
+    for column in standard.chunks_exact_mut(n) {
+        lu.solve(column);
+    }
+    let matrix = Mat::from_fn(n, n, |i, j| standard[j * n + i]);
+    let eigen = matrix.eigen().map_err(|_| FlutterError::Eigen { at: at.to_string() })?;
     let mut pairs = Vec::with_capacity(n);
-    let floor = f64::EPSILON * b.iter().fold(0.0_f64, |m, v| m.max(v.norm()));
     for j in 0..n {
-        let (numerator, denominator) = (alpha[j], beta[j]);
-        if denominator.norm() <= floor {
-            continue;
-        }
-        let value = numerator / denominator;
+        let value = eigen.S()[j];
         let mut x: Vec<c64> = (0..n).map(|i| eigen.U()[(i, j)]).collect();
         if value.re.is_finite() && value.im.is_finite() && normalize(&mut x) {
             pairs.push((value, x));
@@ -139,7 +150,7 @@ pub(crate) fn eigen_pencil(n: usize, a: &[c64], b: &[c64], at: &str) -> Result<V
     Ok(pairs)
 }
 
-/// All finite eigenvalues of (lambda^2 A2 + lambda A1 + A0) x = 0 by the companion form.
+/// All eigenvalues of (lambda^2 A2 + lambda A1 + A0) x = 0 by the companion form.
 ///
 /// A2 is inverted: it is a mass matrix (positive definite) wherever this is used.
 pub(crate) fn eigenvalues_quadratic(n: usize, a2: &[c64], a1: &[c64], a0: &[c64], at: &str) -> Result<Vec<c64>> {
@@ -157,7 +168,9 @@ pub(crate) fn eigenvalues_quadratic(n: usize, a2: &[c64], a1: &[c64], a0: &[c64]
             }
         }
     }
-    companion.eigenvalues().map_err(|_| FlutterError::Eigen { at: at.to_string() })
+    companion
+        .eigenvalues()
+        .map_err(|_| FlutterError::Eigen { at: at.to_string() })
 }
 
 #[cfg(test)]
@@ -165,7 +178,9 @@ mod tests {
     use super::*;
 
     fn matrix(n: usize) -> Vec<c64> {
-        (0..n * n).map(|e| c64::new(((e * 7 + 3) % 11) as f64 - 4.0, ((e * 5 + 1) % 7) as f64 - 3.0)).collect()
+        (0..n * n)
+            .map(|e| c64::new(((e * 7 + 3) % 11) as f64 - 4.0, ((e * 5 + 1) % 7) as f64 - 3.0))
+            .collect()
     }
 
     #[test]

@@ -109,11 +109,11 @@ pub enum Direction {
 /// How fast damping is lost at an onset.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Severity {
-    /// Damping g changes by less than 0.1 for a change of speed of its own size.
+    /// Slope |2 q dg/dq| below 0.1: damping falls by less than 0.001 per percent of speed.
     Mild,
     /// Between mild and explosive.
     Moderate,
-    /// Damping g changes by more than 1 for a change of speed of its own size.
+    /// Slope |2 q dg/dq| above 1: damping falls by more than 0.01 per percent of speed.
     Explosive,
 }
 
@@ -138,8 +138,9 @@ pub struct Crossing {
     pub k: f64,
     /// Whether the aerodynamics rest on data here.
     pub k_range: KRange,
-    /// Slope of damping with relative speed, U dg/dU (with the density or altitude following the sweep for other sweeps:
-    /// parameter times dg/dparameter).
+    /// Slope of damping, 2 q dg/dq along the sweep with q the dynamic pressure: U dg/dU where the density is fixed. K and
+    /// KE give the slope of free motion too (that of the g-method, exact at zero
+    /// damping), since their own curves may run backwards in speed. Infinite at a divergence without any damping.
     pub slope: f64,
     /// Mild or explosive.
     pub severity: Severity,
