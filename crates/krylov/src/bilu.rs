@@ -56,6 +56,12 @@ impl<S: Storage> Bilu<S> {
         }
     }
 
+    /// Cells along i, j, k.
+    #[must_use]
+    pub fn cells(&self) -> [usize; 3] {
+        self.cells
+    }
+
     /// Factors `a`, which may be kept in another precision. Arithmetic is double; factors are rounded when stored.
     ///
     /// # Errors
@@ -69,42 +75,65 @@ impl<S: Storage> Bilu<S> {
                 got: a.cell_count(),
             });
         }
+        for (to, from) in
+            [(&mut self.inverse, &a.diagonal), (&mut self.lower, &a.lower), (&mut self.upper, &a.upper)]
+        {
+            for (t, f) in to.iter_mut().zip(from) {
+                *t = S::from_f64(f.to_f64());
+            }
+        }
+        self.eliminate()
+    }
+
+    /// Factors `a` in the memory that it lies in; [`Bilu::into_matrix`] gives the memory back for the next matrix.
+    ///
+    /// # Errors
+    /// As [`Bilu::factor`]; the matrix is lost.
+    pub fn factor_in_place(a: BlockMatrix<S>) -> Result<Self, KrylovError> {
+        let mut this =
+            Self { cells: a.cells(), directions: a.directions(), inverse: a.diagonal, lower: a.lower, upper: a.upper };
+        this.eliminate()?;
+        Ok(this)
+    }
+
+    /// Turns the matrix in the arrays into its factors, cell after cell.
+    fn eliminate(&mut self) -> Result<(), KrylovError> {
         let [ni, nj, nk] = self.cells;
         let nd = self.directions;
         let stride = [1, ni, ni * nj];
-        let mut cell = 0;
-        for k in 0..nk {
-            for j in 0..nj {
-                for i in 0..ni {
-                    let here = [i, j, k];
-                    let mut d = widen(&a.diagonal[cell * BLOCK..]);
-                    let mut lower = [[0.0; BLOCK + SPARE]; 3];
-                    for dir in 0..nd {
-                        if here[dir] > 0 {
-                            lower[dir] = widen(&a.lower[(cell * nd + dir) * BLOCK..]);
-                            let below = widen(&self.upper[((cell - stride[dir]) * nd + dir) * BLOCK..]);
-                            let fill = product(&lower[dir], &below);
-                            for (x, f) in d.iter_mut().zip(&fill) {
-                                *x -= f;
-                            }
-                        }
+        for cell in 0..ni * nj * nk {
+            let here = [cell % ni, (cell / ni) % nj, cell / (ni * nj)];
+            let mut d = widen(&self.inverse[cell * BLOCK..]);
+            let mut lower = [[0.0; BLOCK + SPARE]; 3];
+            for dir in 0..nd {
+                if here[dir] > 0 {
+                    lower[dir] = widen(&self.lower[(cell * nd + dir) * BLOCK..]);
+                    let below = widen(&self.upper[((cell - stride[dir]) * nd + dir) * BLOCK..]);
+                    for (x, f) in d.iter_mut().zip(&product(&lower[dir], &below)) {
+                        *x -= f;
                     }
-                    let inverse = invert(&d).map_err(|pivot| KrylovError::SingularBlock { ijk: here, pivot })?;
-                    narrow(&inverse, &mut self.inverse[cell * BLOCK..]);
-                    for dir in 0..nd {
-                        let b = (cell * nd + dir) * BLOCK;
-                        if here[dir] > 0 {
-                            narrow(&product(&inverse, &lower[dir]), &mut self.lower[b..]);
-                        }
-                        if here[dir] + 1 < self.cells[dir] {
-                            narrow(&product(&inverse, &widen(&a.upper[b..])), &mut self.upper[b..]);
-                        }
-                    }
-                    cell += 1;
+                }
+            }
+            let inverse = invert(&d).map_err(|pivot| KrylovError::SingularBlock { ijk: here, pivot })?;
+            narrow(&inverse, &mut self.inverse[cell * BLOCK..]);
+            for dir in 0..nd {
+                let b = (cell * nd + dir) * BLOCK;
+                if here[dir] > 0 {
+                    narrow(&product(&inverse, &lower[dir]), &mut self.lower[b..]);
+                }
+                if here[dir] + 1 < self.cells[dir] {
+                    let upper = widen(&self.upper[b..]);
+                    narrow(&product(&inverse, &upper), &mut self.upper[b..]);
                 }
             }
         }
         Ok(())
+    }
+
+    /// The memory of the factors, as a matrix whose entries mean nothing.
+    #[must_use]
+    pub fn into_matrix(self) -> BlockMatrix<S> {
+        BlockMatrix::from_arrays(self.cells, self.directions, self.inverse, self.lower, self.upper)
     }
 
     /// `z = ((D + L) D^-1 (D + U))^-1 r`, vectors `[cell][5]`.

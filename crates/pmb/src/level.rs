@@ -1,0 +1,543 @@
+//! A grid as the flow solver sees it: sizes with ghost cells, face normals, volumes, and who lies beside whom.
+//!
+//! A coarse level is made by merging cells of a finer one (2 x 2 x 2 where the dimensions allow): area vectors and
+//! volumes are summed, so that every level is closed to round-off and needs no nodes.
+
+use dip_grid::{Condition, Face, Metrics, MultiBlock, Window};
+
+use crate::error::FlowError;
+
+/// Layers of ghost cells.
+pub const GHOSTS: usize = 2;
+
+/// Indexing of a block with its ghost cells.
+///
+/// A field is a structure of arrays: variable `v` of all cells, ghost cells included, follows variable `v - 1`; i is
+/// fastest. A planar block (one cell across between symmetry planes) has no ghost cells along k.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Layout {
+    /// Cells along i, j, k, without ghosts.
+    pub cells: [usize; 3],
+    /// Ghost layers along i, j, k at each end.
+    pub ghosts: [usize; 3],
+    /// Distance of neighbours along i, j, k.
+    pub stride: [usize; 3],
+    /// Cells with ghosts: length of one variable.
+    pub size: usize,
+}
+
+impl Layout {
+    /// Layout of a block of `cells`; `planar` blocks have no ghosts along k.
+    #[must_use]
+    pub fn new(cells: [usize; 3], planar: bool) -> Self {
+        let ghosts = [GHOSTS, GHOSTS, if planar { 0 } else { GHOSTS }];
+        let full = [0, 1, 2].map(|d| cells[d] + 2 * ghosts[d]);
+        Self {
+            cells,
+            ghosts,
+            stride: [1, full[0], full[0] * full[1]],
+            size: full[0] * full[1] * full[2],
+        }
+    }
+
+    /// Cells without ghosts.
+    #[must_use]
+    pub fn cell_count(&self) -> usize {
+        self.cells.iter().product()
+    }
+
+    /// Place of cell (i, j, k) in one variable.
+    #[inline(always)]
+    #[must_use]
+    pub fn at(&self, i: usize, j: usize, k: usize) -> usize {
+        (i + self.ghosts[0]) + (j + self.ghosts[1]) * self.stride[1] + (k + self.ghosts[2]) * self.stride[2]
+    }
+
+    /// Place of the cell of face cell `(p, q)`, `depth` layers inside the block; negative depths are ghost layers.
+    #[inline(always)]
+    #[must_use]
+    pub fn behind(&self, face: Face, p: usize, q: usize, depth: isize) -> usize {
+        let [i, j, k] = face.ijk(self.cells, p, q, 0);
+        let from = self.at(i, j, k) as isize;
+        let step = self.stride[face.axis()] as isize;
+        (from + if face.is_max() { -depth * step } else { depth * step }) as usize
+    }
+}
+
+/// Faces normal to one index direction: unit normals towards increasing index, and areas. Faces along the direction
+/// number one more than cells; i fastest. A face without area has a zero normal.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct FaceSet {
+    /// Faces along i, j, k.
+    pub count: [usize; 3],
+    /// Unit normals, x, y, z.
+    pub normal: [Vec<f64>; 3],
+    /// Areas.
+    pub area: Vec<f64>,
+    /// Speed of each face along its normal; empty on a grid at rest.
+    pub speed: Vec<f64>,
+}
+
+impl FaceSet {
+    fn from_vectors(count: [usize; 3], vectors: &[Vec<f64>; 3], sign: f64) -> Self {
+        let n = count.iter().product();
+        let mut set = Self {
+            count,
+            normal: [vec![0.0; n], vec![0.0; n], vec![0.0; n]],
+            area: vec![0.0; n],
+            speed: Vec::new(),
+        };
+        for f in 0..n {
+            set.set_vector(f, [0, 1, 2].map(|d| sign * vectors[d][f]));
+        }
+        set
+    }
+
+    /// Place of face (i, j, k).
+    #[inline(always)]
+    #[must_use]
+    pub fn at(&self, i: usize, j: usize, k: usize) -> usize {
+        i + self.count[0] * (j + self.count[1] * k)
+    }
+
+    /// Sets normal and area of a face from its area vector.
+    pub fn set_vector(&mut self, f: usize, s: [f64; 3]) {
+        let area = (s[0] * s[0] + s[1] * s[1] + s[2] * s[2]).sqrt();
+        self.area[f] = area;
+        for d in 0..3 {
+            self.normal[d][f] = if area > 0.0 { s[d] / area } else { 0.0 };
+        }
+    }
+
+    /// Unit normal of a face.
+    #[inline(always)]
+    #[must_use]
+    pub fn unit(&self, f: usize) -> [f64; 3] {
+        [self.normal[0][f], self.normal[1][f], self.normal[2][f]]
+    }
+
+    /// Area vector of a face.
+    #[must_use]
+    pub fn vector(&self, f: usize) -> [f64; 3] {
+        self.unit(f).map(|n| n * self.area[f])
+    }
+
+    /// Speed of a face along its normal.
+    #[inline(always)]
+    #[must_use]
+    pub fn face_speed(&self, f: usize) -> f64 {
+        if self.speed.is_empty() { 0.0 } else { self.speed[f] }
+    }
+}
+
+/// One block of a level.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LevelBlock {
+    /// Name, for messages.
+    pub name: String,
+    /// Indexing.
+    pub layout: Layout,
+    /// Faces normal to i, j, k.
+    pub faces: [FaceSet; 3],
+    /// Cell volumes, `[k][j][i]`.
+    pub volume: Vec<f64>,
+    /// First cell of the block in vectors over the whole level.
+    pub offset: usize,
+}
+
+/// A ghost cell and the cell it is a copy of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct GhostLink {
+    /// Ghost cell's place in its block.
+    pub ghost: u32,
+    /// Block of the cell.
+    pub block: u32,
+    /// The cell's place in that block.
+    pub cell: u32,
+}
+
+/// Part of the boundary.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct LevelPatch {
+    /// Name; patches of one surface share it.
+    pub name: String,
+    /// Block.
+    pub block: usize,
+    /// Side of the block.
+    pub face: Face,
+    /// Cells of the side.
+    pub window: Window,
+    /// What the grid says holds there.
+    pub condition: Condition,
+}
+
+/// Where an interface's windows lie: needed to make coarser levels.
+#[derive(Clone, Debug)]
+struct Joint {
+    a: dip_grid::Side,
+    b: dip_grid::Side,
+    orientation: dip_grid::Orientation,
+}
+
+/// One level of the grid.
+#[derive(Clone, Debug)]
+pub struct Level {
+    /// Blocks.
+    pub blocks: Vec<LevelBlock>,
+    /// Ghost cells that copy other cells, by the block they belong to.
+    pub links: Vec<Vec<GhostLink>>,
+    /// Boundary patches.
+    pub patches: Vec<LevelPatch>,
+    /// True if the grid is one cell across with nothing happening along k.
+    pub planar: bool,
+    /// Cells of all blocks.
+    pub cell_count: usize,
+    joints: Vec<Joint>,
+}
+
+impl Level {
+    /// The finest level: metrics of `grid`.
+    ///
+    /// # Errors
+    /// If the grid has no block, a block has mixed or zero volumes, or a side is not wholly covered.
+    pub fn new(grid: &MultiBlock) -> Result<Self, FlowError> {
+        if grid.blocks.is_empty() {
+            return Err(FlowError::Grid {
+                what: "the grid has no block".to_owned(),
+            });
+        }
+        let planar = grid.is_two_dimensional();
+        let mut blocks = Vec::with_capacity(grid.blocks.len());
+        let mut offset = 0;
+        for block in &grid.blocks {
+            let metrics = Metrics::new(block);
+            // A left-handed block has all signs turned: normals towards increasing index all the same.
+            let sign = if metrics.volume.iter().sum::<f64>() < 0.0 {
+                -1.0
+            } else {
+                1.0
+            };
+            let volume: Vec<f64> = metrics.volume.iter().map(|v| sign * v).collect();
+            if let Some(cell) = volume.iter().position(|v| !(*v > 0.0 && v.is_finite())) {
+                return Err(FlowError::Volume {
+                    block: block.name.clone(),
+                    ijk: block.cell_ijk(cell),
+                    volume: volume[cell],
+                });
+            }
+            let [ni, nj, nk] = block.cells();
+            let layout = Layout::new(block.cells(), planar);
+            if layout.size > u32::MAX as usize {
+                return Err(FlowError::Grid {
+                    what: format!(
+                        "block `{}` has {} cells; split it into blocks of less than 4e9",
+                        block.name, layout.size
+                    ),
+                });
+            }
+            blocks.push(LevelBlock {
+                name: block.name.clone(),
+                layout,
+                faces: [
+                    FaceSet::from_vectors([ni + 1, nj, nk], &metrics.si, sign),
+                    FaceSet::from_vectors([ni, nj + 1, nk], &metrics.sj, sign),
+                    FaceSet::from_vectors([ni, nj, nk + 1], &metrics.sk, sign),
+                ],
+                volume,
+                offset,
+            });
+            offset += block.cell_count();
+        }
+        let patches = grid
+            .topology
+            .patches
+            .iter()
+            .map(|p| LevelPatch {
+                name: p.name.clone(),
+                block: p.block,
+                face: p.face,
+                window: p.window,
+                condition: p.condition,
+            })
+            .collect();
+        let joints = grid
+            .topology
+            .interfaces
+            .iter()
+            .map(|i| Joint {
+                a: i.a,
+                b: i.b,
+                orientation: i.orientation,
+            })
+            .collect();
+        let mut level = Self {
+            blocks,
+            links: Vec::new(),
+            patches,
+            planar,
+            cell_count: offset,
+            joints,
+        };
+        level.check_coverage()?;
+        level.link();
+        Ok(level)
+    }
+
+    /// Every face cell must be on exactly one patch or interface.
+    fn check_coverage(&self) -> Result<(), FlowError> {
+        for (b, block) in self.blocks.iter().enumerate() {
+            for face in Face::ALL {
+                if self.planar && face.axis() == 2 {
+                    continue;
+                }
+                let [d0, d1] = face.directions();
+                let size = [block.layout.cells[d0], block.layout.cells[d1]];
+                let mut seen = vec![0_u8; size[0] * size[1]];
+                let sides = self
+                    .joints
+                    .iter()
+                    .flat_map(|j| [&j.a, &j.b])
+                    .map(|s| (s.block, s.face, s.window));
+                let patches = self.patches.iter().map(|p| (p.block, p.face, p.window));
+                for (_, _, window) in sides.chain(patches).filter(|(n, f, _)| *n == b && *f == face) {
+                    if window.hi[0] > size[0] || window.hi[1] > size[1] {
+                        return Err(FlowError::Grid {
+                            what: format!(
+                                "block `{}`, {face}: {window} reach beyond the side's {size:?} cells",
+                                block.name
+                            ),
+                        });
+                    }
+                    for q in window.lo[1]..window.hi[1] {
+                        for p in window.lo[0]..window.hi[0] {
+                            seen[p + size[0] * q] += 1;
+                        }
+                    }
+                }
+                if let Some(n) = seen.iter().position(|s| *s != 1) {
+                    return Err(FlowError::Uncovered {
+                        block: block.name.clone(),
+                        face: face.name(),
+                        cell: [n % size[0], n / size[0]],
+                        times: seen[n] as usize,
+                    });
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn link(&mut self) {
+        let mut links = vec![Vec::new(); self.blocks.len()];
+        for joint in &self.joints {
+            let there = dip_grid::Interface {
+                a: joint.a,
+                b: joint.b,
+                orientation: joint.orientation,
+                translation: None,
+            };
+            for one in [there, there.reversed()] {
+                let (layout_a, layout_b) = (self.blocks[one.a.block].layout, self.blocks[one.b.block].layout);
+                let deep = layout_b.cells[one.b.face.axis()];
+                for q in one.a.window.lo[1]..one.a.window.hi[1] {
+                    for p in one.a.window.lo[0]..one.a.window.hi[0] {
+                        let [pb, qb] = one.cell_on_b(p, q);
+                        for layer in 0..GHOSTS {
+                            let ghost = layout_a.behind(one.a.face, p, q, -1 - layer as isize);
+                            // A neighbour one cell thick has nothing behind: its only cell stands for both layers.
+                            let cell = layout_b.behind(one.b.face, pb, qb, layer.min(deep - 1) as isize);
+                            links[one.a.block].push(GhostLink {
+                                ghost: ghost as u32,
+                                block: one.b.block as u32,
+                                cell: cell as u32,
+                            });
+                        }
+                    }
+                }
+            }
+        }
+        self.links = links;
+    }
+
+    /// A level with cells merged in pairs along every direction that allows it, and the map of cells to it; `None`
+    /// where no direction does. Directions of blocks that touch are merged together or not at all.
+    #[must_use]
+    pub fn coarser(&self) -> Option<(Self, CellMap)> {
+        let merge = self.mergeable();
+        if !merge.iter().flatten().any(|m| *m) {
+            return None;
+        }
+        let mut blocks = Vec::with_capacity(self.blocks.len());
+        let mut parents = Vec::with_capacity(self.cell_count);
+        let mut offset = 0;
+        for (block, merge) in self.blocks.iter().zip(&merge) {
+            let coarse = merged_block(block, *merge, offset, self.planar);
+            let step = merge.map(|m| if m { 2 } else { 1 });
+            let [ni, nj, nk] = block.layout.cells;
+            let [ci, cj, _] = coarse.layout.cells;
+            for k in 0..nk {
+                for j in 0..nj {
+                    for i in 0..ni {
+                        parents.push((offset + i / step[0] + ci * (j / step[1] + cj * (k / step[2]))) as u32);
+                    }
+                }
+            }
+            offset += coarse.layout.cell_count();
+            blocks.push(coarse);
+        }
+        let half = |block: usize, face: Face, window: &Window| {
+            let mut out = *window;
+            for (n, d) in face.directions().into_iter().enumerate() {
+                if merge[block][d] {
+                    out.lo[n] /= 2;
+                    out.hi[n] /= 2;
+                }
+            }
+            out
+        };
+        let side = |s: &dip_grid::Side| dip_grid::Side {
+            window: half(s.block, s.face, &s.window),
+            ..*s
+        };
+        let patches = self
+            .patches
+            .iter()
+            .map(|p| LevelPatch {
+                window: half(p.block, p.face, &p.window),
+                ..p.clone()
+            })
+            .collect();
+        let joints = self
+            .joints
+            .iter()
+            .map(|j| Joint {
+                a: side(&j.a),
+                b: side(&j.b),
+                orientation: j.orientation,
+            })
+            .collect();
+        let mut level = Self {
+            blocks,
+            links: Vec::new(),
+            patches,
+            planar: self.planar,
+            cell_count: offset,
+            joints,
+        };
+        level.link();
+        let merge_of_block = merge;
+        Some((
+            level,
+            CellMap {
+                parents,
+                merge: merge_of_block,
+            },
+        ))
+    }
+
+    /// Which directions of which blocks can be merged.
+    fn mergeable(&self) -> Vec<[bool; 3]> {
+        // At least four cells must stay for the scheme to have its neighbours.
+        const LEAST: usize = 4;
+        let mut can: Vec<[bool; 3]> = self
+            .blocks
+            .iter()
+            .map(|b| {
+                [0, 1, 2]
+                    .map(|d| b.layout.cells[d] % 2 == 0 && b.layout.cells[d] >= 2 * LEAST && b.layout.ghosts[d] > 0)
+            })
+            .collect();
+        let mut refuse = |block: usize, face: Face, window: &Window| {
+            for (n, d) in face.directions().into_iter().enumerate() {
+                if window.lo[n] % 2 != 0 || window.hi[n] % 2 != 0 {
+                    can[block][d] = false;
+                }
+            }
+        };
+        for p in &self.patches {
+            refuse(p.block, p.face, &p.window);
+        }
+        for j in &self.joints {
+            refuse(j.a.block, j.a.face, &j.a.window);
+            refuse(j.b.block, j.b.face, &j.b.window);
+        }
+        // Directions that touch share their fate; repeated until nothing changes.
+        loop {
+            let mut changed = false;
+            for j in &self.joints {
+                let (da, db) = (j.a.face.directions(), j.b.face.directions());
+                for n in 0..2 {
+                    let m = if j.orientation.swap { 1 - n } else { n };
+                    let both = can[j.a.block][da[n]] && can[j.b.block][db[m]];
+                    for (block, d) in [(j.a.block, da[n]), (j.b.block, db[m])] {
+                        if can[block][d] != both {
+                            can[block][d] = both;
+                            changed = true;
+                        }
+                    }
+                }
+            }
+            if !changed {
+                return can;
+            }
+        }
+    }
+}
+
+/// Where the cells of a level went in the next coarser one.
+#[derive(Clone, Debug)]
+pub struct CellMap {
+    /// Coarse cell of every fine cell (places in vectors over the whole level).
+    pub parents: Vec<u32>,
+    /// Directions that were merged, by block.
+    pub merge: Vec<[bool; 3]>,
+}
+
+fn merged_block(block: &LevelBlock, merge: [bool; 3], offset: usize, planar: bool) -> LevelBlock {
+    let step = merge.map(|m| if m { 2 } else { 1 });
+    let cells = [0, 1, 2].map(|d| block.layout.cells[d] / step[d]);
+    let layout = Layout::new(cells, planar);
+    let mut volume = vec![0.0; layout.cell_count()];
+    let [ni, nj, nk] = block.layout.cells;
+    let mut fine = block.volume.iter();
+    for k in 0..nk {
+        for j in 0..nj {
+            for i in 0..ni {
+                volume[i / step[0] + cells[0] * (j / step[1] + cells[1] * (k / step[2]))] +=
+                    fine.next().copied().unwrap_or(0.0);
+            }
+        }
+    }
+    let faces = [0, 1, 2].map(|d| {
+        let mut count = cells;
+        count[d] += 1;
+        let n: usize = count.iter().product();
+        let mut vectors = [vec![0.0; n], vec![0.0; n], vec![0.0; n]];
+        let set = &block.faces[d];
+        let mut f = 0;
+        for k in 0..set.count[2] {
+            for j in 0..set.count[1] {
+                for i in 0..set.count[0] {
+                    let index = [i, j, k];
+                    // Faces inside a merged pair vanish.
+                    if index[d] % step[d] == 0 {
+                        let [a, b, c] = [0, 1, 2].map(|e| index[e] / step[e]);
+                        let to = a + count[0] * (b + count[1] * c);
+                        for (v, s) in vectors.iter_mut().zip(set.vector(f)) {
+                            v[to] += s;
+                        }
+                    }
+                    f += 1;
+                }
+            }
+        }
+        FaceSet::from_vectors(count, &vectors, 1.0)
+    });
+    LevelBlock {
+        name: block.name.clone(),
+        layout,
+        faces,
+        volume,
+        offset,
+    }
+}

@@ -1,0 +1,415 @@
+//! Newton steps on one level: residual, preconditioner and linear solve.
+//!
+//! A step solves `(V/dt dQ/dW + dR/dW) dW = -R` by GCG (formulation.md, section 3). The product with dR/dW is a
+//! difference of residuals of the scheme itself (second order), so a step without the time term is Newton's; the
+//! preconditioner is BILU(0) of the analytic first-order Jacobian, in single precision.
+
+use dip_krylov::{
+    Bilu, BlockMatrix, Gcg, GcgOutcome, GcgSettings, KrylovError, LinearOperator, Preconditioner, vector,
+};
+use rayon::prelude::*;
+
+use crate::boundary::{Boundary, SideFlux, Sides, fill_ghosts, fill_sides};
+use crate::error::FlowError;
+use crate::field::Field;
+use crate::gas::{Diatomic, Gas, Perfect, State, VARIABLES, conservative_gradient};
+use crate::jacobian::{add_time, jacobian, spectral_radii};
+use crate::level::Level;
+use crate::residual::residual;
+use crate::scheme::Scheme;
+
+/// Calls `$body` with `$gas` of a type made for its ratio of specific heats.
+macro_rules! with_gas {
+    ($gamma:expr, $gas:ident => $body:expr) => {
+        if $gamma == 1.4 {
+            let $gas = &Diatomic;
+            $body
+        } else {
+            let $gas = &Perfect { gamma: $gamma };
+            $body
+        }
+    };
+}
+
+/// The discrete equations on a level with the flow they are evaluated for.
+#[derive(Clone, Debug)]
+pub struct Equations {
+    /// The grid.
+    pub level: Level,
+    /// The scheme.
+    pub scheme: Scheme,
+    /// Conditions, in the order of the level's patches.
+    pub boundaries: Vec<Boundary>,
+    /// The flow. Ghost cells are filled by [`Equations::residual`].
+    pub field: Field,
+    /// Boundary fluxes of the last residual.
+    pub sides: Sides,
+}
+
+impl Equations {
+    /// Uniform flow on a level.
+    ///
+    /// # Errors
+    /// If there is not one boundary condition for each patch.
+    pub fn new(level: Level, scheme: Scheme, boundaries: Vec<Boundary>, state: &State<f64>) -> Result<Self, FlowError> {
+        if boundaries.len() != level.patches.len() {
+            return Err(FlowError::Grid {
+                what: format!(
+                    "{} patches, but {} boundary conditions",
+                    level.patches.len(),
+                    boundaries.len()
+                ),
+            });
+        }
+        let field = Field::uniform(&level, state);
+        let sides = SideFlux::of(&level);
+        Ok(Self {
+            level,
+            scheme,
+            boundaries,
+            field,
+            sides,
+        })
+    }
+
+    /// Unknowns of the level.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.level.cell_count * VARIABLES
+    }
+
+    /// True if the level has no cell.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// Fills ghost cells and boundary fluxes, and computes `out = R`, `[cell][variable]`.
+    pub fn residual(&mut self, out: &mut [f64]) {
+        let scheme = self.scheme;
+        self.residual_with(&scheme, out);
+    }
+
+    /// The residual of another scheme for the same flow.
+    pub fn residual_with(&mut self, scheme: &Scheme, out: &mut [f64]) {
+        with_gas!(scheme.gamma, gas => {
+            self.field.exchange(&self.level);
+            fill_ghosts(&self.level, &self.boundaries, scheme, &mut self.field);
+            fill_sides(gas, &self.level, &self.boundaries, scheme, &self.field, &mut self.sides);
+            residual(gas, &self.level, scheme, &self.field, &self.sides, out);
+        });
+    }
+
+    /// dR/dW of the first-order scheme, one matrix a block, plus `time[cell] dQ/dW`. Ghost cells must be filled.
+    pub fn jacobian(&self, time: &[f64], matrices: &mut [BlockMatrix<f32>]) {
+        with_gas!(self.scheme.gamma, gas => {
+            jacobian(gas, &self.level, &self.boundaries, &self.sides, &self.field, matrices);
+            add_time(gas, &self.level, &self.field, time, matrices);
+        });
+    }
+
+    /// The first cell that holds a value that is not finite, or a density or pressure that is not positive.
+    ///
+    /// # Errors
+    /// [`FlowError::State`] names it.
+    pub fn check(&self) -> Result<(), FlowError> {
+        for (block, w) in self.level.blocks.iter().zip(&self.field.blocks) {
+            let [ni, nj, nk] = block.layout.cells;
+            for k in 0..nk {
+                for j in 0..nj {
+                    for i in 0..ni {
+                        let s = crate::field::state_at(w, block.layout.size, block.layout.at(i, j, k));
+                        const NAMES: [&str; VARIABLES] =
+                            ["density", "x-velocity", "y-velocity", "z-velocity", "pressure"];
+                        for (v, value) in s.into_iter().enumerate() {
+                            let positive = matches!(v, 1..=3) || value > 0.0;
+                            if !(value.is_finite() && positive) {
+                                return Err(FlowError::State {
+                                    block: block.name.clone(),
+                                    ijk: [i, j, k],
+                                    what: NAMES[v],
+                                    value,
+                                });
+                            }
+                        }
+                    }
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Equations with what a Newton step needs besides.
+#[derive(Debug)]
+pub struct Solver {
+    /// The equations. Its field is that of `unknowns` after every call.
+    pub equations: Equations,
+    /// Primitive variables of every cell, `[cell][variable]`.
+    pub unknowns: Vec<f64>,
+    /// Residual of `unknowns`.
+    pub residual: Vec<f64>,
+    /// The last step's direction.
+    pub step: Vec<f64>,
+    /// V/dt at CFL one.
+    radii: Vec<f64>,
+    /// V/dt.
+    time: Vec<f64>,
+    factors: Vec<Bilu<f32>>,
+    spare: Vec<BlockMatrix<f32>>,
+    gcg: Gcg<f32>,
+    rhs: Vec<f64>,
+    perturbed: Vec<f64>,
+}
+
+impl Solver {
+    /// A solver that starts from the equations' field.
+    #[must_use]
+    pub fn new(mut equations: Equations) -> Self {
+        let n = equations.len();
+        let mut unknowns = vec![0.0; n];
+        equations.field.store(&equations.level, &mut unknowns);
+        let mut residual = vec![0.0; n];
+        equations.residual(&mut residual);
+        let cells = equations.level.cell_count;
+        Self {
+            equations,
+            unknowns,
+            residual,
+            step: vec![0.0; n],
+            radii: vec![0.0; cells],
+            time: vec![0.0; cells],
+            factors: Vec::new(),
+            spare: Vec::new(),
+            gcg: Gcg::new(),
+            rhs: vec![0.0; n],
+            perturbed: vec![0.0; n],
+        }
+    }
+
+    /// Replaces the flow and evaluates its residual.
+    pub fn set(&mut self, unknowns: &[f64]) {
+        self.unknowns.copy_from_slice(unknowns);
+        self.evaluate();
+    }
+
+    /// Recomputes field and residual of `unknowns`.
+    pub fn evaluate(&mut self) {
+        self.equations.field.load(&self.equations.level, &self.unknowns);
+        self.equations.residual(&mut self.residual);
+    }
+
+    /// Euclidean norm of the residual.
+    #[must_use]
+    pub fn norm(&self) -> f64 {
+        vector::norm(&self.residual)
+    }
+
+    /// Local time steps of `cfl` for the current flow.
+    pub fn set_time_step(&mut self, cfl: f64) {
+        with_gas!(self.equations.scheme.gamma, gas => {
+            spectral_radii(gas, &self.equations.level, &self.equations.field, &mut self.radii);
+        });
+        for (t, r) in self.time.iter_mut().zip(&self.radii) {
+            *t = r / cfl;
+        }
+    }
+
+    /// Assembles and factors the preconditioner for the current flow and time step.
+    ///
+    /// # Errors
+    /// If a diagonal block is singular.
+    pub fn build(&mut self) -> Result<(), FlowError> {
+        let mut matrices: Vec<BlockMatrix<f32>> = if self.factors.is_empty() {
+            std::mem::take(&mut self.spare)
+        } else {
+            self.factors.drain(..).map(Bilu::into_matrix).collect()
+        };
+        if matrices.len() != self.equations.level.blocks.len() {
+            matrices = self
+                .equations
+                .level
+                .blocks
+                .iter()
+                .map(|b| BlockMatrix::zeros(b.layout.cells))
+                .collect();
+        }
+        self.equations.jacobian(&self.time, &mut matrices);
+        let factors: Result<Vec<_>, KrylovError> = matrices.into_par_iter().map(Bilu::factor_in_place).collect();
+        self.factors = factors?;
+        Ok(())
+    }
+
+    /// Solves for the step of the current flow, time step and preconditioner.
+    ///
+    /// # Errors
+    /// If the linear solver breaks down.
+    pub fn solve(&mut self, settings: &GcgSettings) -> Result<GcgOutcome, FlowError> {
+        for (b, r) in self.rhs.iter_mut().zip(&self.residual) {
+            *b = -r;
+        }
+        // A step of 1e-7 of the flow's own size: differences lose seven digits, the linear tolerance needs two or three.
+        let size = 1e-7 * (1.0 + vector::norm(&self.unknowns));
+        let mut product = Product {
+            equations: &mut self.equations,
+            unknowns: &self.unknowns,
+            residual: &self.residual,
+            time: &self.time,
+            perturbed: &mut self.perturbed,
+            size,
+        };
+        let mut precondition = Precondition { factors: &self.factors };
+        let outcome = self
+            .gcg
+            .solve(&mut product, &mut precondition, settings, &mut self.rhs, &mut self.step);
+        // The products left a perturbed flow behind.
+        self.equations.field.load(&self.equations.level, &self.unknowns);
+        Ok(outcome?)
+    }
+
+    /// Largest part of the step that changes no density or pressure by more than `limit` of itself; at most one.
+    #[must_use]
+    pub fn admissible(&self, limit: f64) -> f64 {
+        let worst = self
+            .unknowns
+            .par_chunks(VARIABLES * 512)
+            .zip(self.step.par_chunks(VARIABLES * 512))
+            .map(|(w, d)| {
+                w.chunks_exact(VARIABLES)
+                    .zip(d.chunks_exact(VARIABLES))
+                    .fold(0.0_f64, |worst, (w, d)| {
+                        let change = (d[0] / w[0]).abs().max((d[4] / w[4]).abs());
+                        // NaN must not vanish in a maximum.
+                        if change.is_nan() {
+                            f64::INFINITY
+                        } else {
+                            worst.max(change)
+                        }
+                    })
+            })
+            .reduce(|| 0.0, f64::max);
+        if worst > limit { limit / worst } else { 1.0 }
+    }
+
+    /// Moves the flow by `factor` times the step and evaluates the residual.
+    pub fn advance(&mut self, factor: f64) {
+        vector::add_scaled(&mut self.unknowns, factor, &self.step);
+        self.evaluate();
+    }
+
+    /// One explicit step of first order in time with the local time step: dW = -(dQ/dW)^-1 dt/V R.
+    pub fn explicit_step(&mut self) {
+        let gamma = self.equations.scheme.gamma;
+        for ((w, r), t) in self
+            .unknowns
+            .chunks_exact_mut(VARIABLES)
+            .zip(self.residual.chunks_exact(VARIABLES))
+            .zip(&self.time)
+        {
+            with_gas!(gamma, gas => {
+                let state: State<f64> = [w[0], w[1], w[2], w[3], w[4]];
+                let mut q = crate::gas::conservative(gas, &state);
+                for (q, r) in q.iter_mut().zip(r) {
+                    *q -= r / t;
+                }
+                w.copy_from_slice(&crate::gas::primitive(gas, &q));
+            });
+        }
+        self.evaluate();
+    }
+
+    /// Bytes of the large arrays.
+    #[must_use]
+    pub fn bytes(&self) -> usize {
+        let e = &self.equations;
+        let faces = |b: &crate::level::LevelBlock| -> usize {
+            b.faces.iter().map(|f| 4 * f.area.len() + f.speed.len()).sum::<usize>() + b.volume.len()
+        };
+        let doubles = e.field.blocks.iter().map(Vec::len).sum::<usize>()
+            + e.level.blocks.iter().map(faces).sum::<usize>()
+            + self.unknowns.len()
+            + self.residual.len()
+            + self.step.len()
+            + self.radii.len()
+            + self.time.len()
+            + self.rhs.len()
+            + self.perturbed.len();
+        8 * doubles + self.gcg.bytes() + self.factors.iter().map(Bilu::bytes).sum::<usize>()
+    }
+}
+
+/// `x -> V/dt dQ/dW x + (R(W + e x) - R(W))/e`
+struct Product<'a> {
+    equations: &'a mut Equations,
+    unknowns: &'a [f64],
+    residual: &'a [f64],
+    time: &'a [f64],
+    perturbed: &'a mut [f64],
+    size: f64,
+}
+
+impl LinearOperator<f32> for Product<'_> {
+    fn apply(&mut self, x: &[f32], y: &mut [f64]) -> Result<(), KrylovError> {
+        let length = vector::dot(x, x).sqrt();
+        if !(length > 0.0 && length.is_finite()) {
+            return Err(KrylovError::Breakdown {
+                iteration: 0,
+                norm_squared: length * length,
+            });
+        }
+        let step = self.size / length;
+        self.equations
+            .field
+            .combine(&self.equations.level, self.unknowns, step, x);
+        self.equations.residual(self.perturbed);
+        let inverse = 1.0 / step;
+        let gamma = self.equations.scheme.gamma;
+        const PIECE: usize = VARIABLES * 512;
+        y.par_chunks_mut(PIECE)
+            .zip(self.perturbed.par_chunks(PIECE))
+            .zip(self.residual.par_chunks(PIECE))
+            .zip(x.par_chunks(PIECE))
+            .zip(self.unknowns.par_chunks(PIECE))
+            .zip(self.time.par_chunks(PIECE / VARIABLES))
+            .for_each(|(((((y, p), r), x), w), time)| {
+                for (n, t) in time.iter().enumerate() {
+                    let c = n * VARIABLES..(n + 1) * VARIABLES;
+                    let (y, p, r, x, w) = (&mut y[c.clone()], &p[c.clone()], &r[c.clone()], &x[c.clone()], &w[c]);
+                    let x: State<f64> = [0, 1, 2, 3, 4].map(|v| f64::from(x[v]));
+                    let state: State<f64> = [w[0], w[1], w[2], w[3], w[4]];
+                    let change = with_gas!(gamma, gas => time_change(gas, &state, &x));
+                    for v in 0..VARIABLES {
+                        y[v] = (p[v] - r[v]) * inverse + t * change[v];
+                    }
+                }
+            });
+        Ok(())
+    }
+}
+
+/// dQ/dW x
+#[inline(always)]
+fn time_change(gas: &impl Gas, w: &State<f64>, x: &State<f64>) -> State<f64> {
+    let gradient = conservative_gradient(gas, w);
+    gradient.map(|row| row.iter().zip(x).map(|(g, x)| g * x).sum())
+}
+
+struct Precondition<'a> {
+    factors: &'a [Bilu<f32>],
+}
+
+impl Preconditioner<f32> for Precondition<'_> {
+    fn solve(&mut self, r: &[f64], z: &mut [f32]) {
+        let mut rest = z;
+        let mut from = 0;
+        let mut work = Vec::with_capacity(self.factors.len());
+        for factor in self.factors {
+            let n = factor.cells().iter().product::<usize>() * VARIABLES;
+            let (head, tail) = rest.split_at_mut(n);
+            rest = tail;
+            work.push((factor, &r[from..from + n], head));
+            from += n;
+        }
+        work.into_par_iter().for_each(|(factor, r, z)| factor.solve(r, z));
+    }
+}
