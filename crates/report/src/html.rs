@@ -1,4 +1,5 @@
-//! One HTML page with everything in it: no scripts, nothing fetched, well-formed XML too.
+//! One HTML page with everything in it: no scripts, nothing fetched, well-formed XML too. Words may hold `_{..}` and
+//! `^{..}` for sub- and superscripts, as in pictures; all else is taken as it stands.
 
 use crate::error::ReportError;
 use crate::figure::Figure;
@@ -101,18 +102,24 @@ impl Page {
     /// The page as one HTML document. The same page gives the same bytes.
     #[must_use]
     pub fn html(&self) -> String {
-        let title = escape(&self.title);
+        let title = escape(&text::plain(&self.title));
+        let heading = text::html(&self.title);
         let mut out = format!(
             "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\"/>\n\
              <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"/>\n\
-             <title>{title}</title>\n<style>{STYLE}</style>\n</head>\n<body>\n<header>\n<h1>{title}</h1>\n"
+             <title>{title}</title>\n<style>{STYLE}</style>\n</head>\n<body>\n<header>\n<h1>{heading}</h1>\n"
         );
         pairs(&mut out, &self.stamp, "stamp");
         out.push_str("</header>\n");
         if self.sections.len() > 1 {
             out.push_str("<nav aria-label=\"Contents\"><h2>Contents</h2>\n<ol>\n");
             for (i, (heading, _)) in self.sections.iter().enumerate() {
-                let _ = writeln!(out, "<li><a href=\"#section-{}\">{}</a></li>", i + 1, escape(heading));
+                let _ = writeln!(
+                    out,
+                    "<li><a href=\"#section-{}\">{}</a></li>",
+                    i + 1,
+                    text::html(heading)
+                );
             }
             out.push_str("</ol></nav>\n");
         }
@@ -124,7 +131,7 @@ impl Page {
                 out,
                 "<section id=\"section-{n}\" aria-labelledby=\"heading-{n}\">\n\
                  <h2 id=\"heading-{n}\">{n}. {}</h2>",
-                escape(heading)
+                text::html(heading)
             );
             for block in blocks {
                 write_block(&mut out, block, &mut numbers);
@@ -146,8 +153,8 @@ struct Numbers {
 fn write_block(out: &mut String, block: &Block, numbers: &mut Numbers) {
     // Writing into a String cannot fail.
     let _ = match block {
-        Block::Paragraph(text) => writeln!(out, "<p>{}</p>", escape(text)),
-        Block::Heading(text) => writeln!(out, "<h3>{}</h3>", escape(text)),
+        Block::Paragraph(text) => writeln!(out, "<p>{}</p>", text::html(text)),
+        Block::Heading(text) => writeln!(out, "<h3>{}</h3>", text::html(text)),
         Block::Warning(text) => {
             writeln!(
                 out,
@@ -158,7 +165,7 @@ fn write_block(out: &mut String, block: &Block, numbers: &mut Numbers) {
         Block::List(points) => {
             out.push_str("<ul>\n");
             for point in points {
-                let _ = writeln!(out, "<li>{}</li>", escape(point));
+                let _ = writeln!(out, "<li>{}</li>", text::html(point));
             }
             writeln!(out, "</ul>")
         }
@@ -173,7 +180,7 @@ fn write_block(out: &mut String, block: &Block, numbers: &mut Numbers) {
                 out,
                 "<figure>\n{}<figcaption><b>Figure {n}.</b> {}</figcaption>\n</figure>",
                 picture.svg,
-                escape(&text::plain(&picture.caption))
+                text::html(&picture.caption)
             )
         }
         Block::Pairs(list) => {
@@ -197,7 +204,12 @@ fn pairs(out: &mut String, list: &[(String, String)], class: &str) {
     }
     let _ = writeln!(out, "<dl class=\"{class}\">");
     for (name, value) in list {
-        let _ = writeln!(out, "<div><dt>{}</dt><dd>{}</dd></div>", escape(name), escape(value));
+        let _ = writeln!(
+            out,
+            "<div><dt>{}</dt><dd>{}</dd></div>",
+            text::html(name),
+            text::html(value)
+        );
     }
     out.push_str("</dl>\n");
 }

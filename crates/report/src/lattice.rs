@@ -8,7 +8,7 @@ use crate::palette::{self, ColorMap};
 pub type BoxCorners = [[f64; 2]; 4];
 
 /// Boxes coloured by `values` [box] (span to the right, aft down), with a scale of colours; the boxes in `marked` get a
-/// red rim and their number and value. A diverging map is symmetric about zero. Boxes whose value is not finite are
+/// black rim and their number and value. A diverging map is symmetric about zero. Boxes whose value is not finite are
 /// grey, and the scale says how many there are.
 ///
 /// # Errors
@@ -57,7 +57,11 @@ pub fn lattice(
         });
         let middle = |axis: usize| 0.25 * corners.iter().map(|c| c[axis]).sum::<f64>();
         let written = crate::table::write_number(*value, crate::table::NumberFormat::Significant(3));
-        chart = chart.annotate(middle(1), middle(0), format!("box {i}: {written}"));
+        chart = chart.annotate(
+            middle(1),
+            middle(0),
+            format!("box {i}: {}", written.replace('-', "\u{2212}")),
+        );
     }
     let missing = values.iter().filter(|v| !v.is_finite()).count();
     let label = if missing == 0 {

@@ -20,6 +20,9 @@ impl fmt::Display for Px {
     }
 }
 
+/// A space that stays.
+const NBSP: &str = "\u{a0}";
+
 /// Escapes text for XML and HTML content and attributes, and replaces the control characters XML forbids.
 pub(crate) fn escape(raw: &str) -> String {
     let mut out = String::with_capacity(raw.len());
@@ -130,7 +133,15 @@ impl Svg {
                 Level::Sub => (0.24 * style.size_px, SCRIPT_SIZE),
                 Level::Super => (-0.38 * style.size_px, SCRIPT_SIZE),
             };
-            let body = escape(&run.text);
+            // Viewers drop plain spaces at the ends of a run.
+            let inside = run.text.trim_matches(' ');
+            let lead = run.text.len() - run.text.trim_start_matches(' ').len();
+            let trail = if inside.is_empty() {
+                0
+            } else {
+                run.text.len() - run.text.trim_end_matches(' ').len()
+            };
+            let body = format!("{}{}{}", NBSP.repeat(lead), escape(inside), NBSP.repeat(trail));
             if shift == 0.0 && shift_now == 0.0 {
                 inner.push_str(&body);
             } else {

@@ -1,7 +1,8 @@
-//! Tables: one set of rows, written as aligned text, Markdown, CSV or HTML.
+//! Tables: one set of rows, written as aligned text, Markdown, CSV or HTML. Names, units and words may hold `_{..}` and
+//! `^{..}` as in pictures.
 
 use crate::error::ReportError;
-use crate::svg::escape;
+use crate::text;
 use std::fmt::Write;
 
 /// How the numbers of a column are written (CSV always gets all digits).
@@ -213,11 +214,11 @@ impl Table {
     /// Aligned text for a terminal; warnings carry `!`.
     #[must_use]
     pub fn plain(&self) -> String {
-        let cells = self.written("!");
+        let cells = self.written("!", text::plain);
         let widths = self.widths(&cells);
         let mut out = String::new();
         if !self.title.is_empty() {
-            let _ = writeln!(out, "{}", one_line(&self.title));
+            let _ = writeln!(out, "{}", one_line(&text::plain(&self.title)));
         }
         let line = |out: &mut String, row: &[String]| {
             let padded: Vec<String> = row
@@ -243,7 +244,7 @@ impl Table {
         let clean = |text: &String| text.replace('\\', "\\\\").replace('|', "\\|");
         let headings: Vec<String> = self.headings().iter().map(clean).collect();
         let mut cells: Vec<Vec<String>> = self
-            .written("")
+            .written("", text::plain)
             .iter()
             .map(|row| row.iter().map(clean).collect())
             .collect();
@@ -298,7 +299,7 @@ impl Table {
             let cells: Vec<String> = row
                 .iter()
                 .map(|cell| match &cell.value {
-                    Value::Text(text) => quote(text),
+                    Value::Text(text) => quote(&text::plain(text)),
                     Value::Number(number) => all_digits(*number),
                     Value::Missing => String::new(),
                 })
@@ -313,22 +314,26 @@ impl Table {
     pub(crate) fn html(&self, number: usize) -> String {
         let class = |column: &Column| if column.align == Align::Right { "num" } else { "txt" };
         let mut out = String::from("<div class=\"table\"><table>\n");
-        let _ = writeln!(out, "<caption><b>Table {number}.</b> {}</caption>", escape(&self.title));
+        let _ = writeln!(
+            out,
+            "<caption><b>Table {number}.</b> {}</caption>",
+            text::html(&self.title)
+        );
         out.push_str("<thead><tr>");
         for column in &self.columns {
             let _ = write!(
                 out,
                 "<th scope=\"col\" class=\"{}\">{}",
                 class(column),
-                escape(&column.name)
+                text::html(&column.name)
             );
             if !column.unit.is_empty() {
-                let _ = write!(out, " <span class=\"unit\">[{}]</span>", escape(&column.unit));
+                let _ = write!(out, " <span class=\"unit\">[{}]</span>", text::html(&column.unit));
             }
             out.push_str("</th>");
         }
         out.push_str("</tr></thead>\n<tbody>\n");
-        for (row, source) in self.written("").iter().zip(&self.rows) {
+        for (row, source) in self.written("", str::to_owned).iter().zip(&self.rows) {
             out.push_str("<tr>");
             for (i, ((cell, from), column)) in row.iter().zip(source).zip(&self.columns).enumerate() {
                 let (tone, spoken) = match from.tone {
@@ -337,7 +342,7 @@ impl Table {
                     // Not by colour alone.
                     Tone::Warning => (" warn", "<span title=\"warning\"> \u{26a0}</span>"),
                 };
-                let body = escape(cell);
+                let body = text::html(cell);
                 // A first column of words names its row.
                 let (open, close) = if i == 0 && column.align == Align::Left {
                     ("th scope=\"row\"", "th")
@@ -360,8 +365,8 @@ impl Table {
         self.columns.iter().map(|c| one_line(&c.heading())).collect()
     }
 
-    /// All cells as text; warnings get `mark` after them.
-    fn written(&self, mark: &str) -> Vec<Vec<String>> {
+    /// All cells as text; warnings get `mark` after them, and `words` treats the markup.
+    fn written(&self, mark: &str, words: fn(&str) -> String) -> Vec<Vec<String>> {
         self.rows
             .iter()
             .map(|row| {
@@ -369,7 +374,7 @@ impl Table {
                     .zip(&self.columns)
                     .map(|(cell, column)| {
                         let text = match &cell.value {
-                            Value::Text(text) => one_line(text),
+                            Value::Text(text) => one_line(&words(text)),
                             Value::Number(number) => write_number(*number, column.format),
                             Value::Missing => "\u{2013}".to_owned(),
                         };

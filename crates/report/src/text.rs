@@ -58,9 +58,32 @@ fn push(out: &mut Vec<Run>, text: &mut String, level: Level) {
     }
 }
 
-/// The label as it is read aloud: the markup taken out.
+/// The label without markup, for terminals, files and reading aloud: `C_p`, `m s^-1`.
 pub(crate) fn plain(label: &str) -> String {
-    runs(label).into_iter().map(|run| run.text).collect()
+    let mut out = String::new();
+    for run in runs(label) {
+        match run.level {
+            Level::Base => {}
+            Level::Sub => out.push('_'),
+            Level::Super => out.push('^'),
+        }
+        out.push_str(&run.text);
+    }
+    out
+}
+
+/// The label as HTML, escaped.
+pub(crate) fn html(label: &str) -> String {
+    let mut out = String::new();
+    for run in runs(label) {
+        let body = crate::svg::escape(&run.text);
+        match run.level {
+            Level::Base => out.push_str(&body),
+            Level::Sub => out.push_str(&format!("<sub>{body}</sub>")),
+            Level::Super => out.push_str(&format!("<sup>{body}</sup>")),
+        }
+    }
+    out
 }
 
 /// Advance widths of the printable ASCII characters (32..=126) in thousandths of the font size: Adobe's font metrics
@@ -125,12 +148,13 @@ mod tests {
         assert_eq!(got.len(), 3);
         assert_eq!((got[1].text.as_str(), got[1].level), ("p", Level::Sub));
         assert_eq!(got[2].text, " at mode_1 m^{2");
-        assert_eq!(plain("10^{-3}"), "10-3");
+        assert_eq!(plain("C_{p}, 10^{-3}"), "C_p, 10^-3");
+        assert_eq!(html("C_{<}"), "C<sub>&lt;</sub>");
     }
 
     #[test]
     fn multibyte_text_does_not_break_the_scanner() {
-        assert_eq!(plain("ω_{α} √µ ^{²}"), "ωα √µ ²");
+        assert_eq!(plain("ω_{α} √µ ^{²}"), "ω_α √µ ^²");
         assert!(width("翼", 10.0) > width("i", 10.0));
     }
 
