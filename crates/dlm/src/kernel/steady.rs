@@ -2,8 +2,9 @@
 //!
 //! A bound vortex along the box's quarter chord with legs trailing to infinity along +x (Katz and Plotkin, Low-Speed
 //! Aerodynamics, 10.4.5 and 10.4.7), in Prandtl-Glauert coordinates x / beta. A box of unit dCp carries a circulation
-//! Gamma / U = chord / 2. The bound part is written so that it is regular everywhere but on the vortex itself:
-//! (r1 x r2)(|r1| + |r2|) / (|r1| |r2| (|r1| |r2| + r1 . r2)).
+//! Gamma / U = chord / 2. The bound part, (r1 x r2)(|r1| + |r2|) / (|r1| |r2| (|r1| |r2| + r1 . r2)), is regular everywhere but
+//! on the vortex itself. Beside the vortex the last bracket is the small difference of large numbers (a high aspect ratio) and
+//! is written as |r1 x r2|^2 / (|r1| |r2| - r1 . r2) instead.
 
 /// A pair of strips seen by the horseshoe: all that does not depend on x.
 #[derive(Clone, Copy, Debug)]
@@ -13,6 +14,8 @@ pub(super) struct Horseshoe {
     z1: f64,
     y2: f64,
     z2: f64,
+    /// x component of r1 x r2.
+    cross_x: f64,
     /// Receiving normal.
     ny: f64,
     nz: f64,
@@ -38,6 +41,7 @@ impl Horseshoe {
             }
         };
         Self {
+            cross_x: y1 * z2 - z1 * y2,
             y1,
             z1,
             y2,
@@ -60,7 +64,13 @@ impl Horseshoe {
         let cross_z = x1 * self.y2 - self.y1 * x2;
         let product = r1 * r2;
         let dot = x1 * x2 + self.y1 * self.y2 + self.z1 * self.z2;
-        let bound = (self.ny * cross_y + self.nz * cross_z) * (r1 + r2) / (product * (product + dot));
+        let cross2 = self
+            .cross_x
+            .mul_add(self.cross_x, cross_y.mul_add(cross_y, cross_z * cross_z));
+        let beside = dot < 0.0;
+        let top = if beside { product - dot } else { 1.0 };
+        let bottom = if beside { cross2 } else { product + dot };
+        let bound = (self.ny * cross_y + self.nz * cross_z) * (r1 + r2) * top / (product * bottom);
         let trailing = self.leg_1 * (1.0 + x1 / r1) + self.leg_2 * (1.0 + x2 / r2);
         chord * (bound + trailing) * (1.0 / (8.0 * std::f64::consts::PI))
     }
