@@ -4,11 +4,14 @@
 //! together, [`metrics`] for areas and volumes.
 
 pub mod block;
+pub mod coarsen;
 pub mod face;
 pub mod generate;
 pub mod geometry;
 pub mod metrics;
+pub mod picture;
 pub mod quality;
+pub mod recipe;
 pub mod reorient;
 pub mod split;
 pub mod topology;

@@ -376,7 +376,7 @@ fn volume_findings(grid: &MultiBlock, figures: &[Figure], findings: &mut Vec<Fin
     }
     let limits = [
         (names::JACOBIAN, -1e-6, "folded at a corner"),
-        (names::SKEWNESS, 85.0, "very skewed"),
+        (names::SKEWNESS, 88.0, "very skewed"),
         (names::STRETCHING, 20.0, "much larger or smaller than their neighbours"),
         (names::CLOSURE, 1e-12, "not closed"),
     ];

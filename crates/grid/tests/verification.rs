@@ -63,7 +63,7 @@ fn assert_fits(grid: &MultiBlock) {
         for face in Face::ALL {
             let [np, nq] = block.face_cells(face);
             let mut seen = vec![0; np * nq];
-            let sides = grid.topology.patches.iter().map(|p| p.side());
+            let sides = grid.topology.patches.iter().map(dip_grid::Patch::side);
             let ends = grid.topology.interfaces.iter().flat_map(|i| [i.a, i.b]);
             for side in sides.chain(ends).filter(|s| s.block == n && s.face == face) {
                 for q in side.window.lo[1]..side.window.hi[1] {
@@ -110,8 +110,8 @@ fn volume_is_the_surface_integral_over_bilinear_faces() {
     let mut noise = Noise(3);
     let mut c = [[0.0; 3]; 8];
     for (n, corner) in c.iter_mut().enumerate() {
-        for d in 0..3 {
-            corner[d] = ((n >> d) & 1) as f64 + 0.4 * noise.next();
+        for (d, value) in corner.iter_mut().enumerate() {
+            *value = ((n >> d) & 1) as f64 + 0.4 * noise.next();
         }
     }
     let faces = [

@@ -86,6 +86,7 @@ impl AerofoilGrid {
                     normal: self.normal,
                     first: self.wall_spacing,
                     wake_growth: self.wake_growth,
+                    stride: 1,
                 }
                 .make();
                 let wake = || std::iter::repeat_n(1.0, self.wake);

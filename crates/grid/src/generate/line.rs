@@ -12,7 +12,7 @@ pub(super) fn spread<const D: usize>(
     n: usize,
     first: f64,
 ) -> (Vec<f64>, f64) {
-    const SAMPLES: usize = 96;
+    const SAMPLES: usize = 72;
     // Samples grow by a ratio of exp(crowding / SAMPLES); the smallest is end exp(-crowding).
     let crowding = 18.0f64;
     let sample = |m: usize| end * (crowding * m as f64 / SAMPLES as f64).exp_m1() / crowding.exp_m1();

@@ -6,6 +6,7 @@
 
 mod aerofoil;
 mod box_grid;
+mod channel;
 mod chord;
 mod conformal;
 mod fourier;
@@ -17,6 +18,7 @@ mod wing_oo;
 
 pub use aerofoil::{AerofoilGrid, AerofoilKind};
 pub use box_grid::{BoxGrid, box_grid};
+pub use channel::{ChannelGrid, ChannelShape};
 pub use conformal::MapError;
 pub use wing_ch::WingCh;
 pub use wing_oo::WingOo;
@@ -67,4 +69,21 @@ impl GenerateError {
             got: got.to_string(),
         }
     }
+}
+
+/// A number of cells must be large enough, at least `least` on the level kept, and a multiple of the stride.
+fn check_count(name: &str, cells: usize, least: usize, stride: usize) -> Result<(), GenerateError> {
+    let stride = stride.max(1);
+    if cells < least * stride || !cells.is_multiple_of(stride) {
+        let needed = if stride == 1 {
+            format!("at least {least} cells")
+        } else {
+            format!(
+                "a multiple of {stride} with at least {} cells, for the coarser level,",
+                least * stride
+            )
+        };
+        return Err(GenerateError::setting(name, &needed, cells));
+    }
+    Ok(())
 }

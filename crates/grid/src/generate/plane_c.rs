@@ -21,6 +21,8 @@ pub(super) struct PlaneC<'a> {
     pub(super) first: f64,
     /// Growth of the first step along the wake: its factor is `1 + wake_growth * (x - 1)`.
     pub(super) wake_growth: f64,
+    /// Keep every node (1), every second (2), ...
+    pub(super) stride: usize,
 }
 
 /// Nodes of a plane.
@@ -57,6 +59,8 @@ impl PlaneC<'_> {
                 .collect()
         };
         let (full_a, mean_a) = (parameters(true), parameters(false));
+        let even = |all: &[Vec<f64>]| -> Vec<Vec<f64>> { all.iter().map(|a| evened(a)).collect() };
+        let (full_far, mean_far) = (even(&full_a), even(&mean_a));
         let wall = |i: usize| -> [f64; 2] {
             if i < tail || i > last - tail {
                 let m = if i < tail { tail - i } else { i - (last - tail) };
@@ -66,11 +70,17 @@ impl PlaneC<'_> {
             }
         };
         let exit = self.wake[tail];
-        let mut nodes = vec![[0.0; 2]; (last + 1) * (self.normal + 1)];
+        let kept = last / self.stride;
+        let rows = self.normal / self.stride;
+        let mut nodes = vec![[0.0; 2]; (kept + 1) * (rows + 1)];
         let mut growth = 1.0f64;
-        for i in 0..=last {
+        for i in (0..=last).step_by(self.stride) {
             // Lines lean so that the last one, a = A sqrt(1 + (b/A)^2), is x = const in the plane of the parabola.
-            let lean = |a: f64, a_exit: f64, b: f64| a * (1.0 + (b / a_exit).powi(2)).sqrt();
+            // Away from the wall they spread evenly, so that the fine steps at the trailing edge stay there.
+            let lean = |near: &[f64], far: &[f64], b: f64| {
+                let a = near[i] + (far[i] - near[i]) * b * b / (b * b + EVEN * EVEN);
+                a * (1.0 + (b / near[0]).powi(2)).sqrt()
+            };
             let mapped = |b: f64| -> [f64; 2] {
                 let a0 = mean_a[0][i];
                 let share = (self.share)(b * b + 2.0 * a0.abs() * b);
@@ -81,11 +91,11 @@ impl PlaneC<'_> {
                         p[1] += w * q[1];
                     };
                     if share > 0.0 {
-                        let a = lean(full_a[m][i], full_a[m][0], b);
+                        let a = lean(&full_a[m], &full_far[m], b);
                         add(maps.full.position(a, b), weight * share);
                     }
                     if share < 1.0 {
-                        let a = lean(mean_a[m][i], mean_a[m][0], b);
+                        let a = lean(&mean_a[m], &mean_far[m], b);
                         add(maps.mean.position(a, b), weight * (1.0 - share));
                     }
                 }
@@ -100,24 +110,24 @@ impl PlaneC<'_> {
                 let fade = (-4.0 * ((p[0] - foot[0]).powi(2) + (p[1] - foot[1]).powi(2)).sqrt()).exp();
                 [p[0] + miss[0] * fade, p[1] + miss[1] * fade]
             };
-            let end = self.end(mean_a[0][i], mean_a[0][0]);
+            let end = self.end(&|b| lean(&mean_a[0], &mean_far[0], b));
             let beyond = (exact[0] - 1.0).max(0.0);
             let on_wake = i < tail || i > last - tail;
             let first = self.first * if on_wake { 1.0 + self.wake_growth * beyond } else { 1.0 };
             let (b, ratio) = spread(line, end, self.normal, first);
             growth = growth.max(ratio);
-            for (j, &b) in b.iter().enumerate() {
-                nodes[i + (last + 1) * j] = if j == 0 { exact } else { line(b) };
+            for (j, &b) in b.iter().step_by(self.stride).enumerate() {
+                nodes[i / self.stride + (kept + 1) * j] = if j == 0 { exact } else { line(b) };
             }
         }
         // The exit is the plane x = const to the last digit: what is missing fades upstream along the wake.
-        for j in 1..=self.normal {
-            for side in [0, last] {
-                let row = (last + 1) * j;
+        for j in 1..=rows {
+            for side in [0, kept] {
+                let row = (kept + 1) * j;
                 let miss = exit - nodes[row + side][0];
-                for m in 0..=tail {
+                for m in (0..=tail).step_by(self.stride) {
                     let fade = ((self.wake[m] - 1.0) / (exit - 1.0)).powi(2);
-                    let i = if side == 0 { tail - m } else { last - tail + m };
+                    let i = if side == 0 { tail - m } else { last - tail + m } / self.stride;
                     nodes[row + i][0] += miss * fade;
                 }
             }
@@ -125,11 +135,11 @@ impl PlaneC<'_> {
         Plane { nodes, growth }
     }
 
-    /// b where the line of a meets the outer boundary: half an ellipse upstream of x = 0, straight lines behind.
-    fn end(&self, a: f64, a_exit: f64) -> f64 {
+    /// b where the line `a(b)` meets the outer boundary: half an ellipse upstream of x = 0, straight lines behind.
+    fn end(&self, a: &dyn Fn(f64) -> f64) -> f64 {
         let outside = |b: f64| {
-            let lean = a * (1.0 + (b / a_exit).powi(2)).sqrt();
-            let (x, z) = (lean * lean - b * b, 2.0 * lean * b);
+            let a = a(b);
+            let (x, z) = (a * a - b * b, 2.0 * a * b);
             (x.min(0.0) / self.far).powi(2) + (z / self.far).powi(2) > 1.0
         };
         let (mut lo, mut hi) = (0.0, 1.0);
@@ -138,8 +148,36 @@ impl PlaneC<'_> {
         }
         for _ in 0..60 {
             let mid = 0.5 * (lo + hi);
-            if outside(mid) { hi = mid } else { lo = mid }
+            if outside(mid) {
+                hi = mid;
+            } else {
+                lo = mid;
+            }
         }
         hi
     }
+}
+
+/// Height (as b: the root of a distance in chords) at which lines are half way to being spread evenly.
+const EVEN: f64 = 1.2;
+
+/// The same monotone values with their steps evened out over an eighth of the line: a diffusion in the node number.
+fn evened(a: &[f64]) -> Vec<f64> {
+    let n = a.len();
+    let reach = n as f64 / 8.0;
+    // (1 - r^2 d2/di2) a' = a, twice: two implicit steps keep order and end values.
+    let mut out = a.to_vec();
+    for _ in 0..2 {
+        let r = 0.5 * reach * reach;
+        let mut upper = vec![0.0; n];
+        for i in 1..n - 1 {
+            let pivot = 1.0 + 2.0 * r - r * upper[i - 1];
+            upper[i] = r / pivot;
+            out[i] = (out[i] + r * out[i - 1]) / pivot;
+        }
+        for i in (1..n - 1).rev() {
+            out[i] += upper[i] * out[i + 1];
+        }
+    }
+    out
 }

@@ -2,11 +2,11 @@
 
 use rayon::prelude::*;
 
-use super::GenerateError;
 use super::aerofoil::cells_for;
 use super::chord::{self, Kind, WingMaps};
 use super::plane_c::{Plane, PlaneC};
 use super::spacing::{geometric, two_sided};
+use super::{GenerateError, check_count};
 use crate::block::Block;
 use crate::face::{Face, Window};
 use crate::geometry::Wing;
@@ -45,6 +45,8 @@ pub struct WingCh {
     pub wake_growth: f64,
     /// Largest growth ratio allowed from wall to far field.
     pub growth_limit: f64,
+    /// Keep every node (1), every second (2), every fourth (4): the exact coarser levels. Divides all numbers of cells.
+    pub stride: usize,
 }
 
 impl WingCh {
@@ -64,7 +66,7 @@ impl WingCh {
         );
         let t = chord::around(&side);
         let maps = WingMaps::new(Kind::C, wing, &t)?;
-        let y = self.span_stations();
+        let y: Vec<f64> = self.span_stations().into_iter().step_by(self.stride).collect();
         let planes: Vec<(Plane, [f64; 3])> = y.par_iter().map(|&y| self.plane(&maps, &t, y)).collect();
         let growth = planes
             .iter()
@@ -77,8 +79,10 @@ impl WingCh {
                 needed: cells_for(self.wall_spacing, self.far_field, self.growth_limit),
             });
         }
-        let ni = 2 * (self.surface + self.wake);
-        let cells = [ni, self.normal, self.span + self.outboard];
+        let kept = |n: usize| n / self.stride;
+        let (wake, span) = (kept(self.wake), kept(self.span));
+        let ni = kept(2 * (self.surface + self.wake));
+        let cells = [ni, kept(self.normal), span + kept(self.outboard)];
         let mut block = Block::from_fn("wing", cells, |i, j, k| {
             let (plane, [x_le, z_le, chord]) = &planes[k];
             let p = plane.nodes[i + (ni + 1) * j];
@@ -87,14 +91,14 @@ impl WingCh {
         for k in 0..=cells[2] {
             for i in 0..=ni {
                 // Both sides of the wake, and of the sheet outboard of the tip, are one surface: to the last bit.
-                if i < self.wake || k >= self.span {
+                if i < wake || k >= span {
                     let p = block.point(i.min(ni - i), 0, k);
                     block.set_point([ni - i.min(ni - i), 0, k], p);
                 }
             }
         }
         Ok(MultiBlock {
-            topology: self.topology(cells),
+            topology: topology(cells, wake, span),
             blocks: vec![block],
         })
     }
@@ -122,9 +126,7 @@ impl WingCh {
             ("outboard", self.outboard, 2),
         ];
         for (name, value, least) in counts {
-            if value < least {
-                return Err(GenerateError::setting(name, &format!("at least {least} cells"), value));
-            }
+            check_count(name, value, least, self.stride)?;
         }
         let last = self.wing.planform(self.wing.tip_y() + self.far_field);
         let first = self.wing.planform(self.wing.root_y());
@@ -177,61 +179,62 @@ impl WingCh {
             normal: self.normal,
             first: self.wall_spacing / chord * (1.0 + self.wake_growth * beyond),
             wake_growth: self.wake_growth,
+            stride: self.stride,
         };
         (plane.make(), place)
     }
+}
 
-    fn topology(&self, cells: [usize; 3]) -> Topology {
-        let [ni, nj, nk] = cells;
-        let (nose, tail) = (ni / 2, self.wake);
-        let side = |face: Face, lo: [usize; 2], hi: [usize; 2]| Side {
-            block: 0,
-            face,
-            window: Window::new(lo, hi),
-        };
-        let fold = |a: Side, b: Side| Interface {
-            a,
-            b,
-            orientation: Orientation {
-                swap: false,
-                reverse: [true, false],
-            },
-            translation: None,
-        };
-        let patch = |name: &str, side: Side, condition: Condition| Patch {
-            name: name.into(),
-            block: 0,
-            face: side.face,
-            window: side.window,
-            condition,
-        };
-        let below = |lo: [usize; 2], hi: [usize; 2]| side(Face::JMin, lo, hi);
-        Topology {
-            interfaces: vec![
-                fold(below([0, 0], [tail, nk]), below([ni - tail, 0], [ni, nk])),
-                fold(
-                    below([tail, self.span], [nose, nk]),
-                    below([nose, self.span], [ni - tail, nk]),
-                ),
-            ],
-            patches: vec![
-                patch("wing", below([tail, 0], [ni - tail, self.span]), Condition::Wall),
-                patch("symmetry", side(Face::KMin, [0, 0], [ni, nj]), Condition::Symmetry),
-                patch("far", side(Face::JMax, [0, 0], [ni, nk]), Condition::FarField),
-                patch("far", side(Face::KMax, [0, 0], [ni, nj]), Condition::FarField),
-                patch("exit", side(Face::IMin, [0, 0], [nj, nk]), Condition::FarField),
-                patch("exit", side(Face::IMax, [0, 0], [nj, nk]), Condition::FarField),
-            ],
-        }
+fn topology(cells: [usize; 3], tail: usize, span: usize) -> Topology {
+    let [ni, nj, nk] = cells;
+    let nose = ni / 2;
+    let side = |face: Face, lo: [usize; 2], hi: [usize; 2]| Side {
+        block: 0,
+        face,
+        window: Window::new(lo, hi),
+    };
+    let fold = |a: Side, b: Side| Interface {
+        a,
+        b,
+        orientation: Orientation {
+            swap: false,
+            reverse: [true, false],
+        },
+        translation: None,
+    };
+    let patch = |name: &str, side: Side, condition: Condition| Patch {
+        name: name.into(),
+        block: 0,
+        face: side.face,
+        window: side.window,
+        condition,
+    };
+    let below = |lo: [usize; 2], hi: [usize; 2]| side(Face::JMin, lo, hi);
+    Topology {
+        interfaces: vec![
+            fold(below([0, 0], [tail, nk]), below([ni - tail, 0], [ni, nk])),
+            fold(below([tail, span], [nose, nk]), below([nose, span], [ni - tail, nk])),
+        ],
+        patches: vec![
+            patch("wing", below([tail, 0], [ni - tail, span]), Condition::Wall),
+            patch("symmetry", side(Face::KMin, [0, 0], [ni, nj]), Condition::Symmetry),
+            patch("far", side(Face::JMax, [0, 0], [ni, nk]), Condition::FarField),
+            patch("far", side(Face::KMax, [0, 0], [ni, nj]), Condition::FarField),
+            patch("exit", side(Face::IMin, [0, 0], [nj, nk]), Condition::FarField),
+            patch("exit", side(Face::IMax, [0, 0], [nj, nk]), Condition::FarField),
+        ],
     }
 }
 
 /// Share of the section's thickness that shapes the grid at `height` above the plane of the wing at y.
 ///
-/// On the wall it is the closure of the tip; above, the closure is spread over a span that grows with height, so that the
-/// tip's short end does not print through to the far field.
+/// On the wall it is the closure of the tip; above, the closure is spread over a span that grows with height, and its end
+/// is rounded off, so that the tip's short end does not print through to the far field.
 pub(super) fn tip_share(wing: &Wing, y: f64, height: f64) -> f64 {
     let length = wing.tip_length + height;
     let start = wing.tip_y() - wing.tip_length - 0.5 * height;
-    crate::geometry::closure(wing.tip, (y - start) / length)
+    let u = (y - start) / length;
+    // A quarter ellipse ends with an infinite slope, its fourth power with slope zero.
+    let power = 1.0 + 3.0 * height / length;
+    crate::geometry::closure(wing.tip, u).powf(power)
 }

@@ -8,12 +8,12 @@
 
 use rayon::prelude::*;
 
-use super::GenerateError;
 use super::aerofoil::cells_for;
 use super::chord::{self, Kind, WingMaps, mixed};
 use super::line::spread;
 use super::spacing::two_sided;
 use super::wing_ch::tip_share;
+use super::{GenerateError, check_count};
 use crate::block::Block;
 use crate::face::{Face, Window};
 use crate::geometry::Wing;
@@ -43,10 +43,10 @@ pub struct WingOo {
     pub tip_spacing: f64,
     /// Radius of the far field.
     pub far_field: f64,
-    /// Growth of the first step behind and outboard of the wing, per chord.
-    pub wake_growth: f64,
     /// Largest growth ratio allowed from wall to far field.
     pub growth_limit: f64,
+    /// Keep every node (1), every second (2), every fourth (4): the exact coarser levels. Divides all numbers of cells.
+    pub stride: usize,
 }
 
 impl WingOo {
@@ -72,13 +72,15 @@ impl WingOo {
             .into_iter()
             .map(|s| root + s * semispan)
             .collect();
-        let ni = 2 * self.surface;
-        let cells = [ni, self.normal, self.span];
+        let kept = |n: usize| n / self.stride;
+        let (surface, span) = (kept(self.surface), kept(self.span));
+        let ni = 2 * surface;
+        let cells = [ni, kept(self.normal), span];
         // Upper half only: the lower is its mirror image.
-        let lines: Vec<(Vec<[f64; 3]>, f64)> = (0..(self.surface + 1) * (self.span + 1))
+        let lines: Vec<(Vec<[f64; 3]>, f64)> = (0..(surface + 1) * (span + 1))
             .into_par_iter()
             .map(|n| {
-                let (i, k) = (n % (self.surface + 1), n / (self.surface + 1));
+                let (i, k) = (n % (surface + 1) * self.stride, n / (surface + 1) * self.stride);
                 self.line(&maps, i, t[i], if k == self.span { tip } else { y[k] })
             })
             .collect();
@@ -93,14 +95,14 @@ impl WingOo {
         }
         let block = Block::from_fn("wing", cells, |i, j, k| {
             let above = i.min(ni - i);
-            let mut p = lines[above + (self.surface + 1) * k].0[j];
-            if above == 0 || above == self.surface || k == self.span {
+            let mut p = lines[above + (surface + 1) * k].0[j];
+            if above == 0 || above == surface || k == span {
                 p[2] = 0.0;
             }
             if k == 0 {
                 p[1] = root;
             }
-            if i > self.surface {
+            if i > surface {
                 p[2] = -p[2];
             }
             // No negative zero: the two sides of a cut are compared bit by bit.
@@ -151,9 +153,7 @@ impl WingOo {
             ("normal", self.normal, 2),
             ("span", self.span, 2),
         ] {
-            if value < least {
-                return Err(GenerateError::setting(name, &format!("at least {least} cells"), value));
-            }
+            check_count(name, value, least, self.stride)?;
         }
         Ok(())
     }
@@ -220,6 +220,7 @@ impl WingOo {
         let (m, ratio) = spread(line, end, self.normal, self.wall_spacing);
         let nodes = m
             .iter()
+            .step_by(self.stride)
             .enumerate()
             .map(|(j, &m)| if j == 0 { exact } else { line(m) })
             .collect();
