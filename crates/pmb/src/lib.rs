@@ -15,10 +15,17 @@ pub mod flux;
 pub mod gas;
 pub mod jacobian;
 pub mod level;
+pub mod loads;
+pub mod observer;
 pub mod real;
 pub mod reconstruct;
 pub mod residual;
+pub mod restart;
 pub mod scheme;
+pub mod sequence;
+pub mod settings;
 pub mod solver;
+pub mod steady;
+pub mod vortex;
 
 pub use error::FlowError;

@@ -205,6 +205,21 @@ impl Solver {
         vector::norm(&self.residual)
     }
 
+    /// Round-off of the residual: unit round-off times the norm of what is summed up, radii times conservative size.
+    #[must_use]
+    pub fn round_off(&self) -> f64 {
+        let sum: f64 = self
+            .radii
+            .iter()
+            .zip(self.unknowns.chunks_exact(VARIABLES))
+            .map(|(r, w)| {
+                let size = r * (w[0].abs() + w[4].abs());
+                size * size
+            })
+            .sum();
+        f64::EPSILON * sum.sqrt()
+    }
+
     /// Local time steps of `cfl` for the current flow.
     pub fn set_time_step(&mut self, cfl: f64) {
         with_gas!(self.equations.scheme.gamma, gas => {
