@@ -23,11 +23,13 @@ mod assignment;
 mod boundary;
 mod characteristic;
 mod crossing;
+pub mod decay;
 mod error;
 mod follow;
 mod forces;
 mod k_method;
 mod linear;
+mod matched;
 mod p_method;
 mod problem;
 mod solution;
@@ -39,6 +41,7 @@ pub use boundary::{BoundaryPoint, SpeedIndexReference};
 pub use error::{FlutterError, Result};
 pub use forces::{Extension, GeneralizedForces, Interpolation, KDomain, KRange, TabulatedForces};
 pub use k_method::{KRoot, k_roots, solve_k};
+pub use matched::{FlightPoint, MatchedPoint, matched_mach, solve_points};
 pub use problem::{AirState, Atmosphere, FlutterProblem, OutOfRange, Settings, Sweep};
 pub use solution::{
     Crossing, CrossingKind, Direction, FlutterSolution, Hump, Method, ModeCurve, ModePoint, Severity, Warning,

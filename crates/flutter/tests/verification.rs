@@ -6,9 +6,9 @@ use std::path::Path;
 
 use dip_flutter::theodorsen::{TypicalSection, theodorsen, theodorsen_laplace, theodorsen_laplace_slope};
 use dip_flutter::{
-    AirState, CrossingKind, DampingForm, Direction, FlutterError, FlutterProblem, FlutterSolution, GeneralizedForces,
-    Interpolation, KDomain, KRange, Method, OutOfRange, Settings, StructuralDamping, Structure, Sweep, TabulatedForces,
-    k_roots, solve, solve_k,
+    AirState, CrossingKind, DampingForm, Direction, FlightPoint, FlutterError, FlutterProblem, FlutterSolution,
+    GeneralizedForces, Interpolation, KDomain, KRange, Method, OutOfRange, Settings, StructuralDamping, Structure,
+    Sweep, TabulatedForces, k_roots, matched_mach, solve, solve_k, solve_points,
 };
 use faer::{Mat, MatMut, c64};
 
@@ -683,6 +683,57 @@ fn speed_density_and_altitude_sweeps_meet_in_the_same_point() {
     assert_eq!(flutter.direction, Direction::Onset);
 }
 
+/// Forces that do not depend on Mach: the matched Mach number is U_f / a. PKNL points are the points of a sweep.
+#[test]
+fn matched_mach_and_single_points_agree_with_the_sweep() {
+    let section = section(-0.2, 0.2, 0.25, 20.0, 0.5);
+    let structure = section.structure(DENSITY).unwrap();
+    let forces = section.forces();
+    let settings = Settings::default();
+    let speeds = linspace(10.0, 60.0, 11);
+    let sweep = Sweep::Speed {
+        density_kg_m3: DENSITY,
+        speeds_m_s: &speeds,
+    };
+    let problem_at = |mach: f64| FlutterProblem {
+        structure: &structure,
+        forces: &forces,
+        semichord_m: 0.5,
+        mach,
+    };
+    let flutter_at = |mach: f64| {
+        Ok(solve(&problem_at(mach), Method::Pk, &sweep, &settings)?
+            .flutter()
+            .cloned())
+    };
+    let speed = flutter_at(0.3).unwrap().unwrap().speed_m_s;
+    let found = matched_mach(&flutter_at, 300.0, (0.05, 0.9), 1e-9).unwrap().unwrap();
+    assert!((found.mach / (speed / 300.0) - 1.0).abs() < 1e-8);
+    assert!(matched_mach(&flutter_at, 300.0, (0.5, 0.9), 1e-9).unwrap().is_none());
+
+    let solution = solve(&problem_at(0.0), Method::Pk, &sweep, &settings).unwrap();
+    let points: Vec<_> = speeds
+        .iter()
+        .map(|&speed_m_s| FlightPoint {
+            problem: problem_at(0.0),
+            density_kg_m3: DENSITY,
+            speed_m_s,
+        })
+        .collect();
+    let roots = solve_points(&points, Method::Pk, &settings).unwrap();
+    // Before the modes coalesce both ways of naming them agree.
+    for (speed, roots) in speeds.iter().zip(&roots).take(5) {
+        for mode in 0..2 {
+            let point = solution.modes[mode]
+                .points
+                .iter()
+                .find(|p| p.parameter == *speed)
+                .unwrap();
+            assert!((point.p_rad_s - roots[mode].p_rad_s).norm() < 1e-9);
+        }
+    }
+}
+
 #[test]
 fn range_of_k_is_reported_or_refused_never_silent() {
     let section = section(-0.2, 0.2, 0.25, 20.0, 0.5);
@@ -839,4 +890,127 @@ fn bad_input_is_an_error_with_its_place() {
         solve(&problem, Method::K, &sweep, &Settings::default()),
         Err(FlutterError::Unsupported { .. })
     ));
+}
+
+mod decay {
+    //! Identification of synthetic records with known answers.
+    use super::*;
+    use dip_flutter::decay::{DecaySettings, identify};
+
+    /// Normal numbers of unit variance: sum of twelve uniforms of a fixed congruential sequence.
+    struct Noise(u64);
+    impl Noise {
+        fn next(&mut self) -> f64 {
+            let mut uniform = || {
+                self.0 = self
+                    .0
+                    .wrapping_mul(6_364_136_223_846_793_005)
+                    .wrapping_add(1_442_695_040_888_963_407);
+                (self.0 >> 11) as f64 / (1_u64 << 53) as f64
+            };
+            (0..12).map(|_| uniform()).sum::<f64>() - 6.0
+        }
+    }
+
+    const POLES: [(f64, f64); 3] = [(-1.2, 60.0), (0.8, 100.0), (-6.0, 310.0)];
+    const SHAPES: [[(f64, f64); 3]; 3] = [
+        [(1.0, 0.0), (0.2, 0.1), (0.02, 0.0)],
+        [(0.3, -0.2), (0.5, 0.4), (0.05, 0.02)],
+        [(0.0, 0.1), (0.1, -0.3), (0.2, 0.1)],
+    ];
+
+    fn record(samples: usize, dt: f64, noise: f64, seed: u64, offset: f64) -> Vec<Vec<f64>> {
+        let mut random = Noise(seed);
+        (0..3)
+            .map(|c| {
+                (0..samples)
+                    .map(|j| {
+                        let t = j as f64 * dt;
+                        let clean: f64 = (0..3)
+                            .map(|m| {
+                                let (a, b) = SHAPES[c][m];
+                                (c64::new(a, b) * (c64::new(POLES[m].0, POLES[m].1) * t).exp()).re
+                            })
+                            .sum();
+                        clean + offset * (c as f64 - 0.5) + noise * random.next()
+                    })
+                    .collect()
+            })
+            .collect()
+    }
+
+    #[test]
+    fn noiseless_records_are_identified_to_round_off() {
+        // 1.6 cycles of the slowest mode; and a record so fine that a cycle has a thousand samples.
+        for (samples, dt) in [(170, 1e-3), (2000, 1e-4)] {
+            let fit = identify(&record(samples, dt, 0.0, 1, 0.3), dt, &DecaySettings::default()).unwrap();
+            assert_eq!(fit.modes.len(), 3, "{:?}", fit.modes);
+            for (m, (sigma, omega)) in POLES.iter().enumerate() {
+                let mode = fit
+                    .modes
+                    .iter()
+                    .find(|f| (f.p_rad_s.im / omega - 1.0).abs() < 0.01)
+                    .unwrap();
+                assert!(
+                    (mode.p_rad_s - c64::new(*sigma, *omega)).norm() < 1e-6,
+                    "{}",
+                    mode.p_rad_s
+                );
+                for c in 0..3 {
+                    let (a, b) = SHAPES[c][m];
+                    assert!((mode.amplitude[c] - c64::new(a, b)).norm() < 1e-6);
+                }
+            }
+            for c in 0..3 {
+                assert!((fit.offsets[c] - 0.3 * (c as f64 - 0.5)).abs() < 1e-6);
+            }
+            assert!(fit.residual < 1e-7);
+        }
+    }
+
+    /// With noise the answers scatter as the standard errors say: of many seeds, the normalized errors have unit variance.
+    #[test]
+    fn standard_errors_are_those_of_repeated_experiments() {
+        let (mut sum, mut count) = (0.0, 0);
+        for seed in 0..40 {
+            let data = record(300, 1e-3, 0.05, 77 + seed, 0.1);
+            let fit = identify(&data, 1e-3, &DecaySettings::default()).unwrap();
+            for (sigma, omega) in &POLES[..2] {
+                let mode = fit
+                    .modes
+                    .iter()
+                    .find(|f| (f.p_rad_s.im / omega - 1.0).abs() < 0.05)
+                    .unwrap();
+                sum += ((mode.p_rad_s.re - sigma) / mode.sigma_error_rad_s).powi(2);
+                sum += ((mode.p_rad_s.im - omega) / mode.omega_error_rad_s).powi(2);
+                count += 2;
+            }
+        }
+        let variance = sum / f64::from(count);
+        assert!(
+            (0.6..1.6).contains(&variance),
+            "normalized variance {variance} of {count}"
+        );
+    }
+
+    #[test]
+    fn the_growing_mode_is_named_and_sure() {
+        let fit = identify(&record(300, 1e-3, 0.02, 5, 0.0), 1e-3, &DecaySettings::default()).unwrap();
+        let worst = fit.least_stable(0.02).unwrap();
+        assert!(
+            (worst.freq_hz - 100.0 / TAU).abs() < 0.1 && worst.g > 0.0 && worst.confidence > 0.95,
+            "{worst:?}"
+        );
+    }
+
+    #[test]
+    fn bad_records_are_refused() {
+        let settings = DecaySettings::default();
+        assert!(identify(&[], 0.1, &settings).is_err());
+        assert!(identify(&[vec![0.0; 5]], 0.1, &settings).is_err());
+        assert!(identify(&[vec![1.0; 50]], 0.1, &settings).is_err());
+        assert!(identify(&[vec![f64::NAN; 50]], 0.1, &settings).is_err());
+        assert!(identify(&[vec![1.0; 50], vec![1.0; 49]], 0.1, &settings).is_err());
+        assert!(identify(&record(50, 1e-3, 0.0, 1, 0.0), 0.0, &settings).is_err());
+    }
 }
