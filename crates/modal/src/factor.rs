@@ -4,7 +4,7 @@
 //! number of eigenvalues below the shift) and show mechanisms.
 
 use faer::dyn_stack::{MemBuffer, MemStack};
-use faer::linalg::cholesky::ldlt::factor::{LdltError, LdltRegularization};
+use faer::linalg::cholesky::ldlt::factor::LdltRegularization;
 use faer::sparse::linalg::cholesky::{
     CholeskySymbolicParams, LdltRef, SymbolicCholesky, SymbolicCholeskyRaw, SymmetricOrdering,
     factorize_symbolic_cholesky, supernodal::SupernodalLdltRef,
@@ -25,13 +25,9 @@ pub(crate) struct Pencil {
     symbolic: SymbolicCholesky<usize>,
 }
 
-/// A factorization that stopped.
-pub(crate) enum FactorError {
-    /// At a degree of freedom whose pivot is exactly zero.
-    ZeroPivot(usize),
-    /// For another reason.
-    Other(ModelError),
-}
+/// Stands in for a pivot that is exactly zero, so that the factorization goes on and the pivots
+/// tell where.
+const ZERO_PIVOT: f64 = 1e-150;
 
 /// L D L^T of a shifted pencil.
 pub(crate) struct Factor<'a> {
@@ -106,7 +102,7 @@ impl Pencil {
     }
 
     /// K - sigma M in factors.
-    pub fn factor(&self, sigma: f64) -> Result<Factor<'_>, FactorError> {
+    pub fn factor(&self, sigma: f64) -> Result<Factor<'_>, ModelError> {
         let shifted: Vec<f64> = self
             .stiffness
             .iter()
@@ -122,21 +118,26 @@ impl Pencil {
         )
         .map_err(|_| {
             let cause = "out of memory".to_owned();
-            FactorError::Other(ModelError::Factorization { size: self.size, cause })
+            ModelError::Factorization { size: self.size, cause }
         })?;
+        let regularization = LdltRegularization {
+            dynamic_regularization_signs: None,
+            dynamic_regularization_delta: ZERO_PIVOT,
+            dynamic_regularization_epsilon: ZERO_PIVOT,
+        };
         self.symbolic
             .factorize_numeric_ldlt(
                 &mut values,
                 matrix,
                 Side::Lower,
-                LdltRegularization::default(),
+                regularization,
                 Par::Seq,
                 MemStack::new(&mut memory),
                 faer::Spec::default(),
             )
-            .map_err(|LdltError::ZeroPivot { index }| {
-                let original = self.symbolic.perm().map_or(index, |p| p.arrays().0[index]);
-                FactorError::ZeroPivot(original)
+            .map_err(|e| ModelError::Factorization {
+                size: self.size,
+                cause: format!("{e:?}"),
             })?;
         Ok(Factor {
             symbolic: &self.symbolic,
@@ -154,19 +155,25 @@ impl Pencil {
         self.times(&self.mass, x, y);
     }
 
+    /// Rows and values of the lower triangle in column `j`.
+    fn column<'v>(&'v self, values: &'v [f64], j: usize) -> impl Iterator<Item = (usize, f64)> + 'v {
+        let range = self.column_start[j]..self.column_start[j + 1];
+        self.row[range.clone()]
+            .iter()
+            .copied()
+            .zip(values[range].iter().copied())
+    }
+
     fn times(&self, values: &[f64], x: &[f64], y: &mut [f64]) {
         y.fill(0.0);
         for j in 0..self.size {
             let mut sum = 0.0;
             let xj = x[j];
-            for at in self.column_start[j]..self.column_start[j + 1] {
-                let (i, v) = (self.row[at], values[at]);
-                if i == j {
-                    sum += v * xj;
-                } else {
+            for (i, v) in self.column(values, j) {
+                if i != j {
                     y[i] += v * xj;
-                    sum += v * x[i];
                 }
+                sum += v * x[i];
             }
             y[j] += sum;
         }
@@ -176,10 +183,9 @@ impl Pencil {
     pub fn stiffness_magnitude(&self, x: &[f64]) -> f64 {
         let mut sum = 0.0;
         for j in 0..self.size {
-            for at in self.column_start[j]..self.column_start[j + 1] {
-                let i = self.row[at];
+            for (i, k) in self.column(&self.stiffness, j) {
                 let twice = if i == j { 1.0 } else { 2.0 };
-                sum += twice * (x[i] * self.stiffness[at] * x[j]).abs();
+                sum += twice * (x[i] * k * x[j]).abs();
             }
         }
         sum
@@ -212,8 +218,8 @@ impl Factor<'_> {
         Ok(())
     }
 
-    /// Pivots D, in the order of the degrees of freedom (not of the elimination).
-    pub fn pivots(&self) -> Vec<f64> {
+    /// Pivots D in the order of elimination, and the degree of freedom of each.
+    fn pivots(&self) -> (Vec<f64>, Vec<usize>) {
         let size = self.symbolic.nrows();
         let mut permuted = vec![0.0; size];
         match self.symbolic.raw() {
@@ -234,32 +240,27 @@ impl Factor<'_> {
                 }
             }
         }
-        match self.symbolic.perm() {
-            Some(perm) => {
-                let mut out = vec![0.0; size];
-                for (at, &original) in perm.arrays().0.iter().enumerate() {
-                    out[original] = permuted[at];
-                }
-                out
-            }
-            None => permuted,
-        }
+        let order = self
+            .symbolic
+            .perm()
+            .map_or_else(|| (0..size).collect(), |p| p.arrays().0.to_vec());
+        (permuted, order)
     }
 
     /// Number of eigenvalues of the pencil below the shift (Sylvester's law of inertia).
     pub fn eigenvalues_below(&self) -> usize {
-        self.pivots().iter().filter(|&&d| d < 0.0).count()
+        self.pivots().0.iter().filter(|&&d| d < 0.0).count()
     }
-}
 
-/// First degree of freedom whose pivot is not clearly positive against the diagonal it started
-/// from: something there moves without stiffness. Returns its number and the ratio.
-pub(crate) fn weakest_pivot(pivots: &[f64], diagonal: &[f64], limit: f64) -> Option<(usize, f64)> {
-    pivots
-        .iter()
-        .zip(diagonal)
-        .map(|(p, d)| if *d > 0.0 { p / d } else { f64::NEG_INFINITY })
-        .enumerate()
-        .filter(|(_, r)| r.is_nan() || *r < limit)
-        .min_by(|a, b| a.1.total_cmp(&b.1))
+    /// First degree of freedom in the elimination whose pivot is not clearly positive against the
+    /// diagonal that it started from: something there moves without stiffness. Gives its number and the
+    /// ratio. Later pivots say nothing once one has vanished.
+    pub fn loose(&self, diagonal: &[f64], limit: f64) -> Option<(usize, f64)> {
+        let (pivots, order) = self.pivots();
+        pivots
+            .iter()
+            .zip(order)
+            .map(|(p, at)| (at, if diagonal[at] > 0.0 { p / diagonal[at] } else { 0.0 }))
+            .find(|(_, ratio)| ratio.is_nan() || *ratio < limit)
+    }
 }

@@ -23,6 +23,10 @@ pub struct ShellSection {
 
 /// How thickness and materials make the stiffness of a shell.
 #[derive(Debug, Clone, PartialEq)]
+#[expect(
+    clippy::large_enum_variant,
+    reason = "a model has few sections, and boxes would burden whoever writes one"
+)]
 pub enum Layup {
     /// Nastran's PSHELL: one thickness, and a material for each kind of stiffness. The mass is that
     /// of the membrane material, or of the bending material when there is none.

@@ -1,5 +1,7 @@
 //! The assembled structure: free stiffness and mass, static solution, static reduction.
 
+use std::fmt;
+
 use faer::{Mat, Par};
 use sprs::CsMat;
 
@@ -7,7 +9,7 @@ use crate::assemble::{NodeMatrices, assemble, place};
 use crate::dof::{DOFS_PER_NODE, Dof};
 use crate::element::NodeDof;
 use crate::error::ModelError;
-use crate::factor::{FactorError, Pencil, weakest_pivot};
+use crate::factor::Pencil;
 use crate::model::{Model, NodeIndex};
 use crate::modes::ModeNode;
 use crate::reduce::{AutoSupport, Constraints, Reduction};
@@ -17,7 +19,7 @@ use crate::reduce::{AutoSupport, Constraints, Reduction};
 const PIVOT_LIMIT: f64 = 1e-12;
 
 /// A structure ready to be solved.
-#[derive(Debug, Clone)]
+#[derive(Clone)]
 pub struct System {
     pub(crate) nodes: Vec<ModeNode>,
     pub(crate) scalar: Vec<bool>,
@@ -32,6 +34,17 @@ pub struct System {
     pub auto_supports: Vec<AutoSupport>,
     /// Places in the free degrees of freedom of the analysis set, ascending; empty: no reduction.
     pub(crate) analysis: Vec<usize>,
+}
+
+impl fmt::Debug for System {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("System")
+            .field("nodes", &self.nodes.len())
+            .field("free", &self.size())
+            .field("analysis", &self.analysis_size())
+            .field("auto_supports", &self.auto_supports.len())
+            .finish_non_exhaustive()
+    }
 }
 
 /// A structure reduced to its analysis set.
@@ -149,13 +162,6 @@ impl System {
         ModelError::Mechanism { node, dof, ratio }
     }
 
-    pub(crate) fn explain(&self, error: FactorError) -> ModelError {
-        match error {
-            FactorError::ZeroPivot(free) => self.mechanism(free, 0.0),
-            FactorError::Other(e) => e,
-        }
-    }
-
     /// Motion of all nodes, [node][degree of freedom] in node frames, under forces and moments given
     /// in node frames.
     ///
@@ -169,8 +175,8 @@ impl System {
         let mut x = self.reduction.gather(&all);
         let none = CsMat::zero((self.size(), self.size()));
         let pencil = Pencil::new(&self.stiffness, &none)?;
-        let factor = pencil.factor(0.0).map_err(|e| self.explain(e))?;
-        if let Some((free, ratio)) = weakest_pivot(&factor.pivots(), &pencil.diagonals().0, PIVOT_LIMIT) {
+        let factor = pencil.factor(0.0)?;
+        if let Some((free, ratio)) = factor.loose(&pencil.diagonals().0, PIVOT_LIMIT) {
             return Err(self.mechanism(free, ratio));
         }
         factor.solve(&mut x, 1)?;
@@ -221,13 +227,9 @@ impl System {
             }
             let none = CsMat::zero((no, no));
             let pencil = Pencil::new(&oo.to_csr(), &none)?;
-            let named = |o: usize, ratio| self.mechanism(omitted[o], ratio);
-            let factor = pencil.factor(0.0).map_err(|e| match e {
-                FactorError::ZeroPivot(o) => named(o, 0.0),
-                FactorError::Other(e) => e,
-            })?;
-            if let Some((o, ratio)) = weakest_pivot(&factor.pivots(), &pencil.diagonals().0, PIVOT_LIMIT) {
-                return Err(named(o, ratio));
+            let factor = pencil.factor(0.0)?;
+            if let Some((o, ratio)) = factor.loose(&pencil.diagonals().0, PIVOT_LIMIT) {
+                return Err(self.mechanism(omitted[o], ratio));
             }
             factor.solve(&mut x, na)?;
             for a in 0..na {

@@ -17,8 +17,9 @@ use crate::factor::{Factor, Pencil};
 const BLOCK: usize = 8;
 /// Blocks after which the search is given up.
 const MAX_BLOCKS: usize = 300;
-/// A vector that loses all but this part of its norm in orthogonalization was dependent.
-const DEPENDENT: f64 = 1e-10;
+/// A vector that loses all but this part of its norm in orthogonalization was dependent: what is left
+/// is round-off, which in a singular mass may even be a massless motion.
+const DEPENDENT: f64 = 1e-9;
 
 /// Eigenpairs found, and the Ritz value after them.
 pub(super) struct Found {
@@ -39,6 +40,13 @@ struct Basis<'a> {
     t: Mat<f64>,
     /// Generator of start vectors.
     random: u64,
+}
+
+/// Root of x^T M x.
+fn norm(pencil: &Pencil, x: &[f64]) -> f64 {
+    let mut product = vec![0.0; x.len()];
+    pencil.mass_times(x, &mut product);
+    x.iter().zip(&product).map(|(a, b)| a * b).sum::<f64>().max(0.0).sqrt()
 }
 
 /// Largest part of the spectrum wanted, with the basis that a run may use.
@@ -113,9 +121,17 @@ impl<'a> Basis<'a> {
         sum
     }
 
-    /// M-orthonormalizes the columns of `w` among themselves and appends them. A column that depends on the
-    /// others is replaced by a new start vector as long as the space has more; returns how many were appended and R [row][column] of w = Q R.
-    fn append(&mut self, w: &[f64]) -> Result<(usize, Mat<f64>), ModelError> {
+    /// Norm of every column of `w`.
+    fn sizes(&self, w: &[f64]) -> Vec<f64> {
+        w.chunks_exact(self.pencil.size())
+            .map(|c| norm(self.pencil, c))
+            .collect()
+    }
+
+    /// M-orthonormalizes the columns of `w` among themselves and appends them. A column that is dependent
+    /// (against its size before projection) is replaced by a new start vector as long as the space has more.
+    /// Returns how many were appended, and R [row][column] of w = Q R.
+    fn append(&mut self, w: &[f64], sizes: &[f64]) -> Result<(usize, Mat<f64>), ModelError> {
         let n = self.pencil.size();
         let columns = w.len() / n;
         let before = self.used;
@@ -123,16 +139,6 @@ impl<'a> Basis<'a> {
         let mut product = vec![0.0; n];
         for c in 0..columns {
             let mut v = w[c * n..(c + 1) * n].to_vec();
-            let norm = |v: &[f64], product: &mut [f64], pencil: &Pencil| {
-                pencil.mass_times(v, product);
-                v.iter()
-                    .zip(product.iter())
-                    .map(|(a, b)| a * b)
-                    .sum::<f64>()
-                    .max(0.0)
-                    .sqrt()
-            };
-            let first = norm(&v, &mut product, self.pencil);
             for _ in 0..2 {
                 for p in before..self.used {
                     self.pencil.mass_times(&v, &mut product);
@@ -142,16 +148,16 @@ impl<'a> Basis<'a> {
                     r[(p - before, c)] += h;
                 }
             }
-            let mut left = norm(&v, &mut product, self.pencil);
-            if left > DEPENDENT * first && left > 0.0 {
+            let mut left = norm(self.pencil, &v);
+            if left > DEPENDENT * sizes[c] && left > 0.0 {
                 r[(self.used - before, c)] = left;
             } else {
                 // An exhausted direction couples to nothing: R keeps zero there.
                 let fresh: Vec<f64> = (0..n).map(|_| self.random()).collect();
                 v = self.operate(&fresh)?;
-                let start = norm(&v, &mut product, self.pencil);
+                let start = norm(self.pencil, &v);
                 self.project_out(&mut v);
-                left = norm(&v, &mut product, self.pencil);
+                left = norm(self.pencil, &v);
                 if left.is_nan() || left <= DEPENDENT * start || start == 0.0 {
                     continue;
                 }
@@ -181,6 +187,7 @@ impl<'a> Basis<'a> {
             .flat_map(|c| self.q.col(c).iter().copied().collect::<Vec<_>>())
             .collect();
         let mut w = self.operate(&x)?;
+        let sizes = self.sizes(&w);
         let h = self.project_out(&mut w);
         for c in from..to {
             for p in 0..to {
@@ -188,7 +195,7 @@ impl<'a> Basis<'a> {
                 self.t[(c, p)] = h[(p, c - from)];
             }
         }
-        self.append(&w)
+        self.append(&w, &sizes)
     }
 
     /// Ritz values, largest first, and vectors [basis][value] over the first `m` columns.
@@ -220,7 +227,8 @@ impl<'a> Basis<'a> {
         let n = self.pencil.size();
         let x: Vec<f64> = (0..n * BLOCK.min(n)).map(|_| self.random()).collect();
         let w = self.operate(&x)?;
-        Ok(self.append(&w)?.0)
+        let sizes = self.sizes(&w);
+        Ok(self.append(&w, &sizes)?.0)
     }
 }
 

@@ -123,15 +123,15 @@ pub(crate) fn quad_shear(xi: f64, eta: f64, sides: &[Side; 4], jacobian: &Jacobi
 /// the vector whose components along its two sides are theirs, linear between. [row][side]
 pub(crate) fn triangle_shear(l: &[f64; 3], sides: &[Side; 3]) -> [[f64; 3]; 2] {
     let mut out = [[0.0; 3]; 2];
-    for corner in 0..3 {
+    for (corner, &weight) in l.iter().enumerate() {
         // The side that leaves the corner and the one that arrives.
         let (a, b) = (corner, (corner + 2) % 3);
         let (ca, sa, cb, sb) = (sides[a].c, sides[a].s, sides[b].c, sides[b].s);
         let det = ca * sb - sa * cb;
-        out[0][a] += l[corner] * sb / det;
-        out[0][b] -= l[corner] * sa / det;
-        out[1][a] -= l[corner] * cb / det;
-        out[1][b] += l[corner] * ca / det;
+        out[0][a] += weight * sb / det;
+        out[0][b] -= weight * sa / det;
+        out[1][a] -= weight * cb / det;
+        out[1][b] += weight * ca / det;
     }
     out
 }

@@ -5,8 +5,8 @@ use nalgebra::{Matrix3, Vector3};
 use crate::error::ModelError;
 
 /// Height of a corner over the mean plane, over the square root of the area, past which a
-/// quadrilateral is refused. Nastran warns from 0.05; the element is flat, so this is generous.
-const WARP_LIMIT: f64 = 0.25;
+/// quadrilateral is refused. Nastran warns from 0.05.
+const WARP_LIMIT: f64 = 0.1;
 /// Smallest ratio of area to the square of the longest side.
 const AREA_LIMIT: f64 = 1e-8;
 /// Smallest ratio of the Jacobian at a corner to its mean: 0 is an interior angle of 180 degrees.
