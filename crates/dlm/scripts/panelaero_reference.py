@@ -3,6 +3,8 @@
 
 Run outside CI, in a virtual environment that has panelaero:
     python3 crates/dlm/scripts/panelaero_reference.py tests/data/dlm
+    OPENBLAS_NUM_THREADS=1 python3 crates/dlm/scripts/panelaero_reference.py tests/data/dlm time    (8 GB of memory)
+The second writes panelaero_time.csv: CPU time and peak memory of one condition by number of boxes.
 
 What is written for every Mach number, reduced frequency and kernel: the Frobenius norm of the downwash matrix D, its product
 with two fixed vectors of signs (a difference of D of relative size e shows there with the same size), and the
@@ -117,6 +119,34 @@ def run(name, note, half, folded, semichord, machs, ks, out):
         f.write("\n")
 
 
+def clock(out):
+    """One condition, downwash matrix and its inverse, as DLM.calc_Qjj does; one child process per size for its memory."""
+    import multiprocessing
+
+    def child(n_chord, n_span, method, queue):
+        import resource
+        tip = lambda s: [1.0, 3.0 * s, 0.0]
+        grid = join([surface(tip(-1), 0.7, [0, 0, 0], 1.0, n_chord, n_span // 2),
+                     surface([0, 0, 0], 1.0, tip(1), 0.7, n_chord, n_span // 2)])
+        start = time.process_time()
+        np.linalg.inv(downwash(grid, 0.8, 1.0, method))
+        queue.put((time.process_time() - start, resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024))
+
+    with open(f"{out}/panelaero_time.csv", "w") as f:
+        f.write("# PanelAero 2025.8, one thread: D and its inverse at M 0.8, omega/U = 1; CPU seconds, best run; peak memory. "
+                "Written by crates/dlm/scripts/panelaero_reference.py\nboxes,kernel,cpu_s,peak_mb\n")
+        for n_chord, n_span, repeats in ((20, 20, 3), (40, 40, 2), (50, 80, 1)):
+            results = []
+            for _ in range(repeats):
+                queue = multiprocessing.get_context("fork").Queue()
+                process = multiprocessing.get_context("fork").Process(target=child, args=(n_chord, n_span, "parabolic", queue))
+                process.start()
+                results.append(queue.get())
+                process.join()
+            f.write(f"{n_chord * n_span},parabolic,{min(r[0] for r in results):.3f},{results[0][1]:.0f}\n")
+            f.flush()
+
+
 def main(out):
     # AGARD 445.6: geometry as in AGARD R-765 (Yates 1987): root chord 0.5587 m, tip chord 0.3682 m, semispan 0.762 m, tip
     # leading edge at x = 0.8094 m.
@@ -136,4 +166,8 @@ def main(out):
 
 
 if __name__ == "__main__":
-    main(sys.argv[1] if len(sys.argv) > 1 else ".")
+    folder = sys.argv[1] if len(sys.argv) > 1 else "."
+    if sys.argv[2:] == ["time"]:
+        clock(folder)
+    else:
+        main(folder)

@@ -23,6 +23,8 @@ pub enum FindingKind {
     Overlap,
     /// A control point lies on, or nearly on, the extended side edge of another box (doublet line's end and wake).
     PointOnEdge,
+    /// A control point lies on the doublet line of another box (surfaces that cross).
+    PointOnDoubletLine,
     /// A surface crosses the symmetry plane.
     CrossesSymmetryPlane,
     /// Mach number outside [0, 1).
@@ -148,6 +150,7 @@ impl Lattice {
         let mut overlapping = Vec::new();
         let mut on_edge = Vec::new();
         let mut near_edge = Vec::new();
+        let mut on_line = Vec::new();
         for (i, sender) in self.strips().iter().enumerate() {
             for (j, receiver) in self.strips().iter().enumerate() {
                 if self.surfaces()[sender.surface].interference_group
@@ -160,6 +163,7 @@ impl Lattice {
                 }
                 if i != j {
                     self.point_on_edge(sender, receiver, &mut on_edge, &mut near_edge);
+                    self.point_on_line(sender, receiver, &mut on_line);
                 }
             }
         }
@@ -182,6 +186,20 @@ impl Lattice {
                     label(b)
                 ),
                 boxes: overlapping.iter().flat_map(|&(a, b)| [a, b]).collect(),
+            });
+        }
+        if let Some(&(receiver, sender)) = on_line.first() {
+            found.push(Finding {
+                severity: Severity::Error,
+                kind: FindingKind::PointOnDoubletLine,
+                message: format!(
+                    "{} control point(s) lie on the doublet line of another box; the first is that of box {} on the line of box \
+                     {}: shift the divisions of one of the two surfaces",
+                    on_line.len(),
+                    label(receiver),
+                    label(sender)
+                ),
+                boxes: on_line.iter().flat_map(|&(r, s)| [r, s]).collect(),
             });
         }
         for (pairs, severity, word) in [
@@ -250,6 +268,26 @@ impl Lattice {
             on.push((receiver.first, sender.first));
         } else if distance < 1e-2 {
             near.push((receiver.first, sender.first));
+        }
+    }
+
+    /// Points inside a sending strip's width and in its plane, at the x of one of its doublet lines.
+    fn point_on_line(&self, sender: &Strip, receiver: &Strip, on: &mut Vec<(usize, usize)>) {
+        let (dy, dz) = (receiver.y - sender.y, receiver.z - sender.z);
+        let along = dy * sender.cos_dihedral + dz * sender.sin_dihedral;
+        let across = dz * sender.cos_dihedral - dy * sender.sin_dihedral;
+        if along.abs() >= sender.half_width || across.abs() > 1e-6 * sender.half_width {
+            return;
+        }
+        let part = 0.5 * (1.0 + along / sender.half_width);
+        for s in sender.first..sender.first + sender.count {
+            let b = &self.boxes()[s];
+            let line = b.doublet_1[0] + part * (b.doublet_2[0] - b.doublet_1[0]);
+            for r in receiver.first..receiver.first + receiver.count {
+                if (self.boxes()[r].control_point[0] - line).abs() < 1e-6 * b.chord {
+                    on.push((r, s));
+                }
+            }
         }
     }
 

@@ -185,7 +185,7 @@ fn goethert_similarity() {
 #[test]
 fn two_dimensional_limit() {
     for (n_chord, mach) in [(1, 0.0), (3, 0.0), (8, 0.6)] {
-        let beta = (1.0 - mach * mach as f64).sqrt();
+        let beta = (1.0 - mach * mach).sqrt();
         let wing = Surface::trapezoid(
             "infinite",
             ([0.0, -1e10, 0.0], 1.0),

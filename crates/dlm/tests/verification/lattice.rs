@@ -233,3 +233,24 @@ fn geometry_hash() {
         assert_ne!(base.geometry_hash(), other.geometry_hash());
     }
 }
+
+/// A fin through a wing with a control point on one of the wing's doublet lines.
+#[test]
+fn crossing_surfaces() {
+    let wing = Surface::trapezoid("wing", ([0.0, 0.0, 0.0], 1.0), ([0.0, 4.0, 0.0], 1.0), 4, 4);
+    // Strip centres of the fin at z = -0.5 and 0 (in the wing's plane), 0.5; y = 1.4 inside the wing's second strip.
+    let fin = |x: f64| Surface::trapezoid("fin", ([x, 1.4, -0.75], 1.0), ([x, 1.4, 0.75], 1.0), 4, 3);
+    let findings = |x: f64| {
+        Lattice::new(vec![wing.clone(), fin(x)], PlaneSymmetry::None)
+            .unwrap()
+            .check_geometry()
+    };
+    // Control points lie half a box behind doublet lines.
+    assert_eq!(
+        find(&findings(0.125), FindingKind::PointOnDoubletLine)
+            .unwrap()
+            .severity,
+        Severity::Error
+    );
+    assert_eq!(findings(0.05), vec![]);
+}
