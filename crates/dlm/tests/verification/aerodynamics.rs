@@ -184,7 +184,7 @@ fn goethert_similarity() {
 /// about the quarter chord exactly, for any number of boxes.
 #[test]
 fn two_dimensional_limit() {
-    for (n_chord, mach) in [(1, 0.0), (3, 0.0), (8, 0.6)] {
+    for (n_chord, mach) in [(1, 0.0_f64), (3, 0.0), (8, 0.6)] {
         let beta = (1.0 - mach * mach).sqrt();
         let wing = Surface::trapezoid(
             "infinite",
