@@ -154,11 +154,12 @@ impl Figure {
                 .filter(|s| !s.label.is_empty())
                 .map(|s| text::plain(&s.label))
                 .collect();
-            let mut sentence = format!(
-                "{} against {}",
-                text::plain(&chart.y.label),
-                text::plain(&chart.x.label)
-            );
+            let (x, y) = (text::plain(&chart.x.label), text::plain(&chart.y.label));
+            let mut sentence = if chart.bare {
+                format!("{y}, {x}")
+            } else {
+                format!("{y} against {x}")
+            };
             if !names.is_empty() {
                 sentence.push_str(": ");
                 sentence.push_str(&names.join(", "));

@@ -49,14 +49,17 @@ pub fn lattice(
         let (Some(corners), Some(value)) = (boxes.get(i), values.get(i)) else {
             return wrong(format!("a lattice in which box {i} is marked"), i + 1, boxes.len());
         };
-        let rim = Some((palette::ALERT.to_owned(), 2.2));
-        chart.patches.push(Patch {
-            polygons: vec![polygon(corners)],
-            fill: None,
-            rim,
-        });
+        // Black on white is seen on every colour of the maps.
+        for (color, width_px) in [("#ffffff", 4.5), (palette::EXPERIMENT, 1.8)] {
+            let rim = Some((color.to_owned(), width_px));
+            chart.patches.push(Patch {
+                polygons: vec![polygon(corners)],
+                fill: None,
+                rim,
+            });
+        }
         let middle = |axis: usize| 0.25 * corners.iter().map(|c| c[axis]).sum::<f64>();
-        let written = crate::table::write_number(*value, crate::table::NumberFormat::Significant(3));
+        let written = crate::number::write_number(*value, crate::number::NumberFormat::Significant(3));
         chart = chart.annotate(
             middle(1),
             middle(0),

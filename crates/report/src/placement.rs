@@ -53,10 +53,10 @@ pub(crate) fn along_rim(plot: &Rect, w: f64, h: f64) -> Vec<Rect> {
 }
 
 /// Places for a note of the given size round a point: near ones first.
-pub(crate) fn around(p: (f64, f64), w: f64, h: f64) -> Vec<Rect> {
+fn around(p: (f64, f64), w: f64, h: f64) -> Vec<(f64, Rect)> {
     let mut out = Vec::new();
     for gap in [8.0, 20.0, 36.0, 56.0, 80.0, 110.0] {
-        // East, west and the corners; then above and below.
+        // The corners, west and east, above and below, and what lies between.
         for (fx, fy) in [
             (1.0, -0.7),
             (-1.0, -0.7),
@@ -66,17 +66,51 @@ pub(crate) fn around(p: (f64, f64), w: f64, h: f64) -> Vec<Rect> {
             (-1.0, 0.0),
             (0.0, -1.0),
             (0.0, 1.0),
+            (0.4, -1.0),
+            (-0.4, -1.0),
+            (0.4, 1.0),
+            (-0.4, 1.0),
         ] {
             let (cx, cy) = (p.0 + fx * (gap + 0.5 * w), p.1 + fy * (gap + 0.5 * h));
-            out.push(Rect {
-                x: cx - 0.5 * w,
-                y: cy - 0.5 * h,
-                w,
-                h,
-            });
+            out.push((
+                gap,
+                Rect {
+                    x: cx - 0.5 * w,
+                    y: cy - 0.5 * h,
+                    w,
+                    h,
+                },
+            ));
         }
     }
     out
+}
+
+/// The point of a box that is nearest to `p`.
+pub(crate) fn foot(p: (f64, f64), place: &Rect) -> (f64, f64) {
+    (p.0.clamp(place.x, place.right()), p.1.clamp(place.y, place.bottom()))
+}
+
+impl Taken {
+    /// Place for a note at `p`: one that covers little, is near, and whose leader crosses no other label.
+    pub(crate) fn best_note(&self, p: (f64, f64), w: f64, h: f64, plot: &Rect) -> Option<Rect> {
+        let score = |gap: f64, place: &Rect| {
+            let outside = if plot.contains(place) { 0.0 } else { 1000.0 };
+            let mut leader = Vec::new();
+            crate::trace::sample(p, foot(p, place), &mut leader);
+            let others = self.boxes.iter().filter(|b| !b.holds(p));
+            let crossed = others.filter(|b| leader.iter().any(|q| b.holds(*q))).count();
+            4.0 * self.covered(place) as f64 + outside + 0.1 * gap + 30.0 * crossed as f64
+        };
+        let mut best: Option<(Rect, f64)> = None;
+        for (gap, place) in around(p, w, h) {
+            let score = score(gap, &place);
+            if best.is_none_or(|(_, least)| score < least) {
+                best = Some((place, score));
+            }
+        }
+        best.map(|(place, _)| place)
+    }
 }
 
 /// Places for a label along a vertical line (text turned upwards): top and bottom, left and right of it.

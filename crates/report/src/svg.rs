@@ -20,9 +20,6 @@ impl fmt::Display for Px {
     }
 }
 
-/// A space that stays.
-const NBSP: &str = "\u{a0}";
-
 /// Escapes text for XML and HTML content and attributes, and replaces the control characters XML forbids.
 pub(crate) fn escape(raw: &str) -> String {
     let mut out = String::with_capacity(raw.len());
@@ -127,32 +124,37 @@ impl Svg {
     pub(crate) fn text(&mut self, x: f64, y: f64, label: &str, style: TextStyle<'_>) {
         let mut inner = String::new();
         let mut shift_now = 0.0;
+        let mut gap = 0.0;
         for run in text::runs(label) {
             let (shift, scale) = match run.level {
                 Level::Base => (0.0, 1.0),
                 Level::Sub => (0.24 * style.size_px, SCRIPT_SIZE),
                 Level::Super => (-0.38 * style.size_px, SCRIPT_SIZE),
             };
-            // Viewers drop plain spaces at the ends of a run.
-            let inside = run.text.trim_matches(' ');
+            // Some viewers drop spaces at the ends of a run, so these become shifts.
+            let space = 0.28 * scale * style.size_px;
             let lead = run.text.len() - run.text.trim_start_matches(' ').len();
-            let trail = if inside.is_empty() {
-                0
-            } else {
-                run.text.len() - run.text.trim_end_matches(' ').len()
-            };
-            let body = format!("{}{}{}", NBSP.repeat(lead), escape(inside), NBSP.repeat(trail));
-            if shift == 0.0 && shift_now == 0.0 {
+            let inside = run.text.trim_matches(' ');
+            let trail = run.text.len() - lead - inside.len();
+            gap += space * lead as f64;
+            let body = escape(inside);
+            if inner.is_empty() && shift == 0.0 {
                 inner.push_str(&body);
             } else {
                 // dy, not baseline-shift: not every viewer knows the latter.
+                let dx = if gap > 0.0 {
+                    format!(r#" dx="{}""#, Px(gap))
+                } else {
+                    String::new()
+                };
                 let _ = write!(
                     inner,
-                    r#"<tspan dy="{}" font-size="{}">{body}</tspan>"#,
+                    r#"<tspan{dx} dy="{}" font-size="{}">{body}</tspan>"#,
                     Px(shift - shift_now),
                     Px(scale * style.size_px)
                 );
             }
+            gap = space * trail as f64;
             shift_now = shift;
         }
         let anchor = match style.anchor {

@@ -105,9 +105,9 @@ struct Short(f64);
 impl std::fmt::Display for Short {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let digits = f.precision().unwrap_or(4);
-        f.write_str(&crate::table::write_number(
+        f.write_str(&crate::number::write_number(
             self.0,
-            crate::table::NumberFormat::Significant(digits),
+            crate::number::NumberFormat::Significant(digits),
         ))
     }
 }
