@@ -4,9 +4,10 @@ use crate::chart::{Axis, Chart, Direction, Scale};
 use crate::error::ReportError;
 use crate::ticks::{self, LARGEST, Ticks};
 
-/// Whether a value can be placed on an axis; what cannot is a gap.
+/// Whether a value can be placed on an axis; what cannot is a gap. The ends of what f64 holds are left out: the decade
+/// below the least number is zero.
 pub(crate) fn drawable(value: f64, scale: Scale) -> bool {
-    value.is_finite() && value.abs() < LARGEST && (scale == Scale::Linear || value > 0.0)
+    value.is_finite() && value.abs() < LARGEST && (scale == Scale::Linear || value > 1.0 / LARGEST)
 }
 
 /// Least and greatest of what an axis has to show.
@@ -134,7 +135,7 @@ pub(crate) fn limits(chart: &Chart, which: Which, span: Span, count: usize) -> R
         if !(from.is_finite() && to.is_finite() && lo > -LARGEST && hi < LARGEST) {
             return Err(refuse("a limit is not finite"));
         }
-        if axis.scale == Scale::Log && lo <= 0.0 {
+        if axis.scale == Scale::Log && lo <= 1.0 / LARGEST {
             return Err(refuse("a logarithmic axis has positive limits only"));
         }
         if hi - lo <= 1e-12 * lo.abs().max(hi.abs()) || hi - lo < 1e-290 {

@@ -615,3 +615,68 @@ fn tables_say_the_same_in_every_form() {
     assert!(widths.iter().all(|w| *w == widths[0]), "{markdown}");
     assert!(markdown.contains("a\\|b") && markdown.contains("**NaN**"));
 }
+
+#[test]
+fn no_data_makes_it_stumble() {
+    // A fixed sequence (Knuth's MMIX generator) of awkward numbers in all settings.
+    let mut state = 1_u64;
+    let mut next = |n: usize| {
+        state = state
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1_442_695_040_888_963_407);
+        (state >> 33) as usize % n
+    };
+    let awkward = [
+        0.0,
+        -0.0,
+        1.0,
+        -1.0,
+        1e-300,
+        5e-324,
+        1e299,
+        -1e299,
+        1e308,
+        f64::MAX,
+        0.1,
+        1e15,
+        f64::NAN,
+        f64::INFINITY,
+    ];
+    for _ in 0..400 {
+        let mut value = || {
+            let pick = next(2 * awkward.len());
+            awkward
+                .get(pick)
+                .copied()
+                .unwrap_or_else(|| next(1000) as f64 * 0.01 - 3.0)
+        };
+        let points: Vec<(f64, f64)> = (0..7).map(|_| (value(), value())).collect();
+        let errors: Vec<(f64, f64)> = (0..7).map(|_| (value(), value())).collect();
+        let mut chart = Chart::new("t", "x", "y")
+            .series(
+                Series::line_markers("a", points.clone(), Marker::Plus)
+                    .y_error(errors.clone())
+                    .x_error(errors),
+            )
+            .mark(value(), value(), "note")
+            .vline(value(), "v")
+            .hline(value(), "h");
+        chart.patches.push(dip_report::Patch {
+            polygons: vec![points],
+            fill: None,
+            rim: None,
+        });
+        let settings = next(16);
+        if settings & 1 > 0 {
+            chart = chart.log_x();
+        }
+        if settings & 2 > 0 {
+            chart = chart.log_y();
+        }
+        if settings & 4 > 0 {
+            chart = chart.invert_y();
+        }
+        chart.equal_scale = settings & 8 > 0 && settings & 3 == 0;
+        parse(&chart.svg(300 + next(400) as u32, 250 + next(300) as u32).unwrap());
+    }
+}
