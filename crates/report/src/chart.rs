@@ -213,7 +213,7 @@ pub enum Legend {
 /// A filled shape in data units, drawn under the series.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Patch {
-    /// Polygons [polygon][corner], closed by themselves, that share fill and rim.
+    /// Polygons `[polygon][corner]`, closed by themselves, that share fill and rim.
     pub polygons: Vec<Vec<(f64, f64)>>,
     /// Fill, `#rrggbb`; none for no filling.
     pub fill: Option<String>,

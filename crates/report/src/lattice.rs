@@ -7,7 +7,7 @@ use crate::palette::{self, ColorMap};
 /// Corners of a box [corner][x, y] in order round it, m.
 pub type BoxCorners = [[f64; 2]; 4];
 
-/// Boxes coloured by `values` [box] (span to the right, aft down), with a scale of colours; the boxes in `marked` get a
+/// Boxes coloured by `values[box]` (span to the right, aft down), with a scale of colours; the boxes in `marked` get a
 /// black rim and their number and value. A diverging map is symmetric about zero. Boxes whose value is not finite are
 /// grey, and the scale says how many there are.
 ///

@@ -111,7 +111,7 @@ fn symmetric_bar(values: impl Iterator<Item = f64>, label: &str) -> (ColorBar, f
     (bar, largest)
 }
 
-/// Displacement `z` [node] over the planform (span to the right, aft down): bands of colour, node lines, outline.
+/// Displacement `z[node]` over the planform (span to the right, aft down): bands of colour, node lines, outline.
 /// `z_label` names the quantity with its unit. Elements with a node whose `z` is not finite stay white, and the colour
 /// bar says so.
 ///

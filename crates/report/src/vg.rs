@@ -9,11 +9,11 @@ use crate::figure::Figure;
 pub struct VgMode {
     /// Name in the legend.
     pub label: String,
-    /// Speed [point], m/s.
+    /// Speed `[point]`, m/s.
     pub speed_m_s: Vec<f64>,
-    /// Structural damping g that keeps the oscillation going [point]: positive is unstable.
+    /// Structural damping g that keeps the oscillation going `[point]`: positive is unstable.
     pub damping_g: Vec<f64>,
-    /// Frequency [point], Hz.
+    /// Frequency `[point]`, Hz.
     pub freq_hz: Vec<f64>,
 }
 
