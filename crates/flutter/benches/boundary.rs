@@ -16,7 +16,7 @@ fn main() {
 }
 
 /// The Goland wing with Q tabulated and scaled by Prandtl and Glauert's factor, to stand for five Mach numbers.
-fn tables() -> (Structure, Vec<TabulatedForces>, f64) {
+fn tables() -> (Structure, Vec<TabulatedForces>, goland::Wing) {
     let text = include_str!("../../../tests/data/flutter/goland_wing.json");
     let wing = goland::Wing::read(text);
     let (structure, strips) = wing.model(3, 2);
@@ -36,7 +36,7 @@ fn tables() -> (Structure, Vec<TabulatedForces>, f64) {
             TabulatedForces::new(&ks, &q, Interpolation::EvenCubicSpline).unwrap()
         })
         .collect();
-    (structure, tables, wing.semichord_m())
+    (structure, tables, wing)
 }
 
 #[divan::bench(args = ["K", "KE", "PK", "g"])]
@@ -47,7 +47,8 @@ fn boundary(bencher: divan::Bencher<'_, '_>, name: &str) {
         "PK" => Method::Pk,
         _ => Method::G,
     };
-    let (structure, tables, semichord_m) = tables();
+    let (structure, tables, wing) = tables();
+    let semichord_m = wing.semichord_m();
     let speeds: Vec<f64> = (1..=30).map(|j| 8.0 * f64::from(j)).collect();
     let cases: Vec<_> = MACHS
         .iter()
@@ -60,7 +61,7 @@ fn boundary(bencher: divan::Bencher<'_, '_>, name: &str) {
                 mach,
             },
             sweep: Sweep::Speed {
-                density_kg_m3: 1.02,
+                density_kg_m3: wing.density_kg_m3,
                 speeds_m_s: &speeds,
             },
         })

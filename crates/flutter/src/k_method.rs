@@ -246,6 +246,9 @@ pub fn solve_k(
     let natural = &problem.structure.natural.omega_rad_s;
     let domain = problem.forces.domain();
     let (mut modes, mut crossings, mut humps, mut warnings) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+    for track in &mut tracks {
+        insert_hidden_extrema(&mut equation, track, density_kg_m3)?;
+    }
     for (index, track) in tracks.iter().enumerate() {
         let mode = index + 1;
         for pair in track.windows(2) {
@@ -600,6 +603,65 @@ fn k_crossing(
         confidence: first.confidence.min(second.confidence),
         shape: found.shape,
     }))
+}
+
+/// Where g turns back just short of zero between the samples it may have crossed zero twice: the extremum next to such a
+/// sample is sought by golden section in ln k and inserted when its sign differs.
+fn insert_hidden_extrema(equation: &mut KEquation<'_>, track: &mut Vec<KStation>, density_kg_m3: f64) -> Result<()> {
+    const GOLDEN: f64 = 0.618_033_988_749_894_9;
+    let mut found: Vec<KStation> = Vec::new();
+    for w in track.windows(3) {
+        let [g0, g1, g2] = [w[0].root.g, w[1].root.g, w[2].root.g];
+        let turns = g0 * g1 > 0.0 && g1 * g2 > 0.0 && g1.abs() < g0.abs() && g1.abs() < g2.abs();
+        if !turns || w.iter().any(|s| s.root.speed_m_s.is_none()) {
+            continue;
+        }
+        let (mut low, mut high) = (w[0].root.k.ln(), w[2].root.k.ln());
+        for _ in 0..30 {
+            let probes = [high - GOLDEN * (high - low), low + GOLDEN * (high - low)];
+            let mut values = [0.0; 2];
+            for (value, probe) in values.iter_mut().zip(probes) {
+                let roots = equation.roots(probe.exp(), density_kg_m3)?;
+                let Some(root) = nearest_root(equation, roots, &w[1].root) else {
+                    return Ok(());
+                };
+                // |g| while the sign is that of the samples, negative beyond zero.
+                *value = root.g * g1.signum();
+                if *value < 0.0 {
+                    let (mac, confidence) = (equation.mac(&w[1].root.shape, &root.shape), w[1].confidence);
+                    found.push(KStation {
+                        root,
+                        confidence,
+                        mac,
+                        requested: false,
+                    });
+                    break;
+                }
+            }
+            if values.iter().any(|v| *v < 0.0) {
+                break;
+            }
+            if values[0] < values[1] {
+                high = probes[1];
+            } else {
+                low = probes[0];
+            }
+        }
+    }
+    for station in found {
+        let place = track.partition_point(|s| s.root.k > station.root.k);
+        track.insert(place, station);
+    }
+    Ok(())
+}
+
+/// The root most like a given one in shape and place.
+fn nearest_root(equation: &KEquation<'_>, roots: Vec<KRoot>, like: &KRoot) -> Option<KRoot> {
+    let cost = |r: &KRoot| {
+        let distance = (r.p_rad_s.ln() - like.p_rad_s.ln()).norm() / 0.2;
+        1.0 - equation.mac(&like.shape, &r.shape) / (1.0 + distance * distance)
+    };
+    roots.into_iter().min_by(|a, b| cost(a).total_cmp(&cost(b)))
 }
 
 /// dg/dU of free motion at a flutter point, 1/(m/s), with g = 2 sigma / omega from Chen's expansion, which is exact there.

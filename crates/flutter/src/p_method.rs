@@ -8,7 +8,7 @@ use crate::error::{FlutterError, Result};
 use crate::follow::{Branch, Path, Station, advance, oscillating_roots, real_roots, same_root};
 use crate::forces::KRange;
 use crate::problem::{Condition, FlutterProblem, OutOfRange, Settings, Sweep};
-use crate::solution::{FlutterSolution, Method, ModeCurve, ModePoint, Warning};
+use crate::solution::{Crossing, FlutterSolution, Method, ModeCurve, ModePoint, Warning};
 
 /// Growth rate over the greatest natural frequency above which a root of the audit counts as unstable.
 const UNSTABLE: f64 = 1e-7;
@@ -59,6 +59,7 @@ pub(crate) fn solve(
     crossings.extend(find_divergence(&mut equation, &path, parameters, &branches, settings)?);
     let order = |a: f64, b: f64| if falling { b.total_cmp(&a) } else { a.total_cmp(&b) };
     crossings.sort_by(|a, b| order(a.parameter, b.parameter));
+    drop_repeated(&mut crossings);
     humps.sort_by(|a, b| order(a.parameter, b.parameter));
 
     let modes: Vec<ModeCurve> = branches.iter().map(|b| curve(&equation, problem, &path, b)).collect();
@@ -169,8 +170,32 @@ fn fill_from_search(equation: &mut Characteristic<'_>, condition: Condition, bra
     Ok(())
 }
 
+/// Two curves that join at a crossing would report it twice: the mode with the lower number keeps it.
+fn drop_repeated(crossings: &mut Vec<Crossing>) {
+    let mut kept: Vec<Crossing> = Vec::with_capacity(crossings.len());
+    for crossing in crossings.drain(..) {
+        let same = |c: &Crossing| {
+            let near = |a: f64, b: f64| (a - b).abs() <= 1e-6 * a.abs().max(b.abs());
+            c.kind == crossing.kind
+                && c.direction == crossing.direction
+                && near(c.parameter, crossing.parameter)
+                && near(c.freq_hz, crossing.freq_hz)
+                && c.mode != crossing.mode
+        };
+        match kept.iter_mut().find(|c| same(c)) {
+            Some(twin) if crossing.mode < twin.mode => *twin = crossing,
+            Some(_) => {}
+            None => kept.push(crossing),
+        }
+    }
+    *crossings = kept;
+}
+
 /// Looks for unstable roots that no mode holds, at the end of the sweep and at the first condition where a mode is
 /// unstable, and follows each through the sweep as a branch of its own.
+///
+/// An oscillating root that ends while it is unstable, without coming from zero damping, is a product of the expansion of Q
+/// for strongly damped motion (of the g-method, mostly) and no motion of the wing: it is reported and left out.
 fn audit(
     equation: &mut Characteristic<'_>,
     path: &Path<'_>,
@@ -207,8 +232,7 @@ fn audit(
                 continue;
             }
             let mode = branches.len() + 1;
-            // A real root that is unstable above divergence belongs to the mode that diverged only if it is tracked; else
-            // it is shown as a root of its own.
+            let (p, is_real) = (root.p, root.real);
             let step = 1e-5 * t.abs().max(1e-3);
             let rate = equation.rate(&root, condition, path(t - step), path(t + step), 2.0 * step)?;
             let station = Station {
@@ -246,19 +270,45 @@ fn audit(
             };
             let backward: Vec<f64> = parameters[..place].iter().rev().copied().collect();
             let mut stations = follow(equation, &backward)?;
+            // Where it runs into the root of a mode that mode goes on: the rest is not new.
+            if let Some(joined) = stations.iter().position(|s| holds(equation, branches, s.t, &s.root)) {
+                stations.truncate(joined + 1);
+            }
             stations.reverse();
             stations.push(station.clone());
             stations.extend(follow(equation, &parameters[place + 1..])?);
-            warnings.push(Warning::ExtraRoot { mode, parameter: t });
-            branches.push(Branch {
-                mode,
-                is_lag_root: true,
-                stations,
-                lost: false,
-            });
+            let complete = stations
+                .first()
+                .is_some_and(|s| s.t == parameters[0] || s.root.p.re <= floor);
+            let joins = stations
+                .first()
+                .is_some_and(|s| holds(equation, branches, s.t, &s.root));
+            if complete || joins || is_real {
+                warnings.push(Warning::ExtraRoot { mode, parameter: t });
+                branches.push(Branch {
+                    mode,
+                    is_lag_root: true,
+                    stations,
+                    lost: false,
+                });
+            } else {
+                warnings.push(Warning::Artifact {
+                    parameter: t,
+                    p_rad_s: p,
+                });
+            }
         }
     }
     Ok(())
+}
+
+/// Whether a branch has this root at this condition.
+fn holds(equation: &Characteristic<'_>, branches: &[Branch], t: f64, root: &Root) -> bool {
+    branches.iter().any(|b| {
+        b.stations
+            .iter()
+            .any(|s| s.t == t && same_root(equation, &s.root, root))
+    })
 }
 
 fn curve(equation: &Characteristic<'_>, problem: &FlutterProblem<'_>, path: &Path<'_>, branch: &Branch) -> ModeCurve {

@@ -196,19 +196,27 @@ pub enum Warning {
         /// Confidence there.
         confidence: f64,
     },
-    /// A root could not be followed beyond this condition.
+    /// A root could not be followed beyond this condition: a strongly damped root of a p-k equation may end (two roots meet).
     Lost {
         /// Mode number.
         mode: usize,
         /// Last sweep parameter with a root.
         parameter: f64,
     },
-    /// An unstable root that belongs to no mode was found by the audit and has been added.
+    /// An unstable root that belongs to no mode (a real root behind divergence, a lag root) has been added as a curve.
     ExtraRoot {
         /// Its number.
         mode: usize,
         /// Where it was found.
         parameter: f64,
+    },
+    /// An unstable root that appears at strong damping without ever crossing zero: a product of the method's expansion of Q
+    /// for damped motion, left out of the curves.
+    Artifact {
+        /// Sweep parameter where it was seen.
+        parameter: f64,
+        /// The root, rad/s.
+        p_rad_s: c64,
     },
     /// The sweep starts unstable: an onset lies below its first condition.
     UnstableAtStart {
