@@ -100,6 +100,11 @@ impl Aerodynamics {
         self.semichord
     }
 
+    /// [`Lattice::check`] for this kernel and semichord.
+    pub fn check(&self, mach: f64, k_max: f64) -> Vec<Finding> {
+        self.lattice.check(self.kernel, mach, k_max, self.semichord)
+    }
+
     fn wave_number(&self, k: f64) -> Result<f64, AicError> {
         if k.is_finite() && k >= 0.0 {
             Ok(k / self.semichord)

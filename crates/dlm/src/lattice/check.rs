@@ -23,6 +23,8 @@ pub enum FindingKind {
     Overlap,
     /// A control point lies on, or nearly on, the extended side edge of another box (doublet line's end and wake).
     PointOnEdge,
+    /// A control point hovers close above another box (relative to its width): unsteady coefficients lose accuracy.
+    CloseAbove,
     /// A control point lies on the doublet line of another box (surfaces that cross).
     PointOnDoubletLine,
     /// A surface crosses the symmetry plane.
@@ -59,6 +61,9 @@ const ASPECT_LIMIT_QUARTIC: f64 = 10.0;
 const BOXES_PER_WAVE_RULE: f64 = 12.5;
 /// Rodden, Taylor and McIntosh 1998: about fifty boxes a wave for converged results.
 const BOXES_PER_WAVE_ADVICE: f64 = 50.0;
+/// Heights over half width between which a control point above another box is too close: below the first it counts as in the
+/// plane, above the second the fit's error (which grows as 1 / height) is small.
+const CLOSE_ABOVE: std::ops::RangeInclusive<f64> = 1e-3..=0.05;
 /// Fewest boxes along a chord (Rodden, Taylor and McIntosh 1998).
 const CHORDWISE_MINIMUM: usize = 4;
 
@@ -151,6 +156,7 @@ impl Lattice {
         let mut on_edge = Vec::new();
         let mut near_edge = Vec::new();
         let mut on_line = Vec::new();
+        let mut close = Vec::new();
         for (i, sender) in self.strips().iter().enumerate() {
             for (j, receiver) in self.strips().iter().enumerate() {
                 if self.surfaces()[sender.surface].interference_group
@@ -164,6 +170,7 @@ impl Lattice {
                 if i != j {
                     self.point_on_edge(sender, receiver, &mut on_edge, &mut near_edge);
                     self.point_on_line(sender, receiver, &mut on_line);
+                    self.point_close_above(sender, receiver, &mut close);
                 }
             }
         }
@@ -186,6 +193,22 @@ impl Lattice {
                     label(b)
                 ),
                 boxes: overlapping.iter().flat_map(|&(a, b)| [a, b]).collect(),
+            });
+        }
+        if let Some(&(receiver, sender)) = close.first() {
+            found.push(Finding {
+                severity: Severity::Warning,
+                kind: FindingKind::CloseAbove,
+                message: format!(
+                    "{} strip(s) of control points lie above or below other boxes by less than {} half widths; the first is that of box \
+                     {} over box {}: their unsteady influence is inaccurate; use narrower boxes there, or one plane for both \
+                     surfaces",
+                    close.len(),
+                    CLOSE_ABOVE.end(),
+                    label(receiver),
+                    label(sender)
+                ),
+                boxes: close.iter().flat_map(|&(r, s)| [r, s]).collect(),
             });
         }
         if let Some(&(receiver, sender)) = on_line.first() {
@@ -268,6 +291,24 @@ impl Lattice {
             on.push((receiver.first, sender.first));
         } else if distance < 1e-2 {
             near.push((receiver.first, sender.first));
+        }
+    }
+
+    /// Points over a sending strip's boxes, very close to their plane but not in it.
+    fn point_close_above(&self, sender: &Strip, receiver: &Strip, close: &mut Vec<(usize, usize)>) {
+        let (dy, dz) = (receiver.y - sender.y, receiver.z - sender.z);
+        let along = dy * sender.cos_dihedral + dz * sender.sin_dihedral;
+        let across = dz * sender.cos_dihedral - dy * sender.sin_dihedral;
+        if along.abs() >= sender.half_width || !CLOSE_ABOVE.contains(&(across.abs() / sender.half_width)) {
+            return;
+        }
+        let first = &self.boxes()[sender.first];
+        let last = &self.boxes()[sender.first + sender.count - 1];
+        let lead = first.corners[0][0].min(first.corners[1][0]);
+        let trail = last.corners[2][0].max(last.corners[3][0]);
+        let over = |r: &usize| (lead..=trail).contains(&self.boxes()[*r].control_point[0]);
+        if let Some(r) = (receiver.first..receiver.first + receiver.count).find(over) {
+            close.push((r, sender.first));
         }
     }
 

@@ -10,6 +10,9 @@ pub use surface::{ControlSurface, Divisions, Surface};
 
 use crate::hash::Fnv128;
 
+/// Most boxes of a lattice: a matrix of 20 GB. Beyond it a typing error is likelier than a wish.
+const MAX_BOXES: usize = 35_000;
+
 /// What is wrong with the description of a lattice.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum LatticeError {
@@ -33,6 +36,18 @@ pub enum LatticeError {
         surface: String,
         /// What was needed and what was got.
         reason: String,
+    },
+    /// More boxes than a matrix can be held for.
+    #[error(
+        "the lattice has {boxes} boxes, more than {limit}: its matrix alone would take {gigabytes:.0} GB; use fewer divisions"
+    )]
+    TooMany {
+        /// Boxes asked for.
+        boxes: usize,
+        /// Most boxes.
+        limit: usize,
+        /// Memory of one matrix.
+        gigabytes: f64,
     },
     /// A control surface names a box that does not exist, or its hinge line is a point.
     #[error("control surface {name}: {reason}")]
@@ -151,6 +166,18 @@ impl Lattice {
     pub fn new(surfaces: Vec<Surface>, symmetry_y: PlaneSymmetry) -> Result<Self, LatticeError> {
         if surfaces.is_empty() {
             return Err(LatticeError::Empty);
+        }
+        let count = surfaces
+            .iter()
+            .map(|s| s.chordwise.count().saturating_mul(s.spanwise.count()))
+            .fold(0, usize::saturating_add);
+        if count > MAX_BOXES {
+            let gigabytes = 16e-9 * (count as f64).powi(2);
+            return Err(LatticeError::TooMany {
+                boxes: count,
+                limit: MAX_BOXES,
+                gigabytes,
+            });
         }
         let mut boxes = Vec::new();
         let mut strips = Vec::new();

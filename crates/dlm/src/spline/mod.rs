@@ -9,112 +9,16 @@
 
 mod beam;
 mod dense;
+mod error;
 mod plate;
+mod rigid;
 
 pub use beam::BeamSpline;
+pub use error::SplineError;
 
 use crate::gaf::PointRule;
 use crate::lattice::{Lattice, LatticeBox};
-use crate::motion::{BoxMotion, RigidMotion};
-
-/// What makes a spline impossible.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum SplineError {
-    /// A box or node index that does not exist.
-    #[error("spline {spline}: {what} index {index} does not exist, there are {count}")]
-    Index {
-        /// Position in the list of splines.
-        spline: usize,
-        /// "box" or "node".
-        what: &'static str,
-        /// The index given.
-        index: usize,
-        /// How many there are.
-        count: usize,
-    },
-    /// Not enough nodes.
-    #[error("spline {spline}: {needed} nodes or more are needed, got {got}")]
-    TooFewNodes {
-        /// Position in the list of splines.
-        spline: usize,
-        /// Fewest nodes.
-        needed: usize,
-        /// Nodes given.
-        got: usize,
-    },
-    /// Two nodes at one place.
-    #[error("spline {spline}: nodes {a} and {b} lie at the same place of the spline's plane: remove one of them")]
-    Coincident {
-        /// Position in the list of splines.
-        spline: usize,
-        /// First node.
-        a: usize,
-        /// Second node.
-        b: usize,
-    },
-    /// All nodes on one line.
-    #[error(
-        "spline {spline}: all nodes lie on one line, which leaves rotation about it free: add nodes off the line or use a beam spline"
-    )]
-    Collinear {
-        /// Position in the list of splines.
-        spline: usize,
-    },
-    /// The interpolation matrix is singular.
-    #[error("spline {spline}: the interpolation matrix is singular (pivot ratio {pivot_ratio:.1e}): {advice}")]
-    Singular {
-        /// Position in the list of splines.
-        spline: usize,
-        /// Smallest over largest pivot.
-        pivot_ratio: f64,
-        /// What to do.
-        advice: &'static str,
-    },
-    /// Boxes of one plane spline lie in different planes.
-    #[error(
-        "spline {spline}: boxes {a} and {b} have different normals: give each surface its own spline, or use the thin-plate spline"
-    )]
-    Normals {
-        /// Position in the list of splines.
-        spline: usize,
-        /// A box.
-        a: usize,
-        /// Another box.
-        b: usize,
-    },
-    /// A box is moved by two splines.
-    #[error("box {box_index} is moved by two splines ({first} and {second}): each box belongs to one")]
-    Twice {
-        /// Index of the box.
-        box_index: usize,
-        /// One spline.
-        first: usize,
-        /// The other.
-        second: usize,
-    },
-    /// A number that makes no sense.
-    #[error("spline {spline}: {reason}")]
-    Value {
-        /// Position in the list of splines.
-        spline: usize,
-        /// What was needed and what was got.
-        reason: String,
-    },
-    /// A rigid motion of the nodes does not move the boxes rigidly.
-    #[error(
-        "spline {spline}: a rigid {motion} of its nodes is not reproduced on box {box_index} (relative error {error:.1e}): the nodes do not determine the motion there"
-    )]
-    Rigid {
-        /// Position in the list of splines.
-        spline: usize,
-        /// Which motion.
-        motion: &'static str,
-        /// Worst box.
-        box_index: usize,
-        /// Error over the motion's size.
-        error: f64,
-    },
-}
+use crate::motion::BoxMotion;
 
 /// How a spline interpolates.
 #[derive(Clone, Debug, PartialEq)]
@@ -187,9 +91,6 @@ pub struct Transfer {
     rigid_error: f64,
 }
 
-/// Largest error of a rigid motion, relative to its size over the spline, that is put down to round-off.
-const RIGID_TOLERANCE: f64 = 1e-6;
-
 impl Transfer {
     /// Builds and checks the splines. `nodes` are positions [node][x, y, z] in the lattice's axes and unit.
     ///
@@ -220,7 +121,7 @@ impl Transfer {
             }
             let field = fit(index, spec, lattice, nodes)?;
             let part = tabulate(field.as_ref(), spec, lattice, rule);
-            rigid_error = rigid_error.max(check_rigid(index, field.as_ref(), &part, lattice, nodes, rule)?);
+            rigid_error = rigid_error.max(rigid::check_rigid(index, field.as_ref(), &part, lattice, nodes, rule)?);
             parts.push(part);
         }
         Ok(Self {
@@ -392,7 +293,7 @@ fn fit(spline: usize, spec: &SplineSpec, lattice: &Lattice, nodes: &[[f64; 3]]) 
             nodes,
             beam,
         )?),
-        SplineKind::Rigid => Box::new(Rigid::fit(spline, spec, nodes)?),
+        SplineKind::Rigid => Box::new(rigid::Rigid::fit(spline, spec, nodes)?),
     })
 }
 
@@ -456,145 +357,4 @@ fn tabulate(field: &dyn Field, spec: &SplineSpec, lattice: &Lattice, rule: Point
         }
     }
     part
-}
-
-/// Moves the nodes in the six rigid ways and compares the boxes with the exact motion; returns the worst relative error.
-fn check_rigid(
-    spline: usize,
-    field: &dyn Field,
-    part: &Part,
-    lattice: &Lattice,
-    nodes: &[[f64; 3]],
-    rule: PointRule,
-) -> Result<f64, SplineError> {
-    const NAMES: [&str; 6] = [
-        "translation along x",
-        "translation along y",
-        "translation along z",
-        "rotation about x",
-        "rotation about y",
-        "rotation about z",
-    ];
-    let centre = lattice.boxes()[part.boxes[0]].mid_chord;
-    let arms = part
-        .inputs
-        .iter()
-        .map(|i| nodes[i.node])
-        .chain(part.boxes.iter().map(|&b| lattice.boxes()[b].mid_chord));
-    let size = arms.map(|p| crate::lattice::distance(p, centre)).fold(0.0, f64::max);
-    let chord = part.boxes.iter().map(|&b| lattice.boxes()[b].chord).fold(0.0, f64::max);
-    let size = size.max(chord);
-    let mut worst = 0.0_f64;
-    for (index, name) in NAMES.iter().enumerate() {
-        let mut rigid = RigidMotion {
-            centre,
-            ..RigidMotion::default()
-        };
-        let scale = if index < 3 {
-            rigid.translation[index] = 1.0;
-            1.0
-        } else {
-            rigid.rotation[index - 3] = 1.0;
-            if let Some(free) = field.free_rotation() {
-                let along = free[index - 3];
-                for (r, f) in rigid.rotation.iter_mut().zip(free) {
-                    *r -= along * f;
-                }
-            }
-            size
-        };
-        let freedoms: Vec<f64> = nodes
-            .iter()
-            .flat_map(|p| {
-                let axis = |a: usize| {
-                    let mut n = [0.0; 3];
-                    n[a] = 1.0;
-                    rigid.on(n, *p).0
-                };
-                [
-                    axis(0),
-                    axis(1),
-                    axis(2),
-                    rigid.rotation[0],
-                    rigid.rotation[1],
-                    rigid.rotation[2],
-                ]
-            })
-            .collect();
-        let read: Vec<f64> = part.inputs.iter().map(|i| i.read(&freedoms)).collect();
-        let width = read.len();
-        let mut exact = BoxMotion::empty(lattice.n_boxes());
-        exact.push_rigid(lattice, rule, &rigid);
-        for (row, &b) in part.boxes.iter().enumerate() {
-            let dot = |matrix: &[f64]| -> f64 {
-                matrix[row * width..(row + 1) * width]
-                    .iter()
-                    .zip(&read)
-                    .map(|(a, b)| a * b)
-                    .sum()
-            };
-            let error = ((dot(&part.slope) - exact.slope[b]).abs() * size)
-                .max((dot(&part.at_control) - exact.at_control[b]).abs())
-                .max((dot(&part.at_force) - exact.at_force[b]).abs())
-                / scale;
-            worst = worst.max(error);
-            // A NaN is an error too.
-            if error.is_nan() || error > RIGID_TOLERANCE {
-                return Err(SplineError::Rigid {
-                    spline,
-                    motion: name,
-                    box_index: b,
-                    error,
-                });
-            }
-        }
-    }
-    Ok(worst)
-}
-
-/// All boxes on one rigid body that moves with one node.
-struct Rigid {
-    inputs: Vec<Input>,
-    centre: [f64; 3],
-}
-
-impl Rigid {
-    fn fit(spline: usize, spec: &SplineSpec, nodes: &[[f64; 3]]) -> Result<Self, SplineError> {
-        let [node] = spec.nodes[..] else {
-            return Err(SplineError::Value {
-                spline,
-                reason: format!("a rigid spline needs one node, got {}", spec.nodes.len()),
-            });
-        };
-        let unit = |i: usize| {
-            let mut weights = [0.0; 6];
-            weights[i] = 1.0;
-            Input { node, weights }
-        };
-        Ok(Self {
-            inputs: (0..6).map(unit).collect(),
-            centre: nodes[node],
-        })
-    }
-}
-
-impl Field for Rigid {
-    fn inputs(&self) -> &[Input] {
-        &self.inputs
-    }
-
-    fn rows(&self, cell: &LatticeBox, point: [f64; 3], h: &mut [f64], slope: &mut [f64]) {
-        for i in 0..6 {
-            let mut rigid = RigidMotion {
-                centre: self.centre,
-                ..RigidMotion::default()
-            };
-            if i < 3 {
-                rigid.translation[i] = 1.0;
-            } else {
-                rigid.rotation[i - 3] = 1.0;
-            }
-            (h[i], slope[i]) = rigid.on(cell.normal, point);
-        }
-    }
 }

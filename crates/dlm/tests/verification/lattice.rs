@@ -173,6 +173,10 @@ fn impossible_descriptions() {
             LatticeError::Divisions { .. }
         ));
     }
+    assert!(matches!(
+        fails(&|s| s.chordwise = Divisions::Equal(usize::MAX)),
+        LatticeError::TooMany { .. }
+    ));
     assert!(matches!(fails(&|s| s.chord_1 = -1.0), LatticeError::Shape { .. }));
     assert!(matches!(
         fails(&|s| (s.chord_1, s.chord_2) = (0.0, 0.0)),
@@ -253,4 +257,22 @@ fn crossing_surfaces() {
         Severity::Error
     );
     assert_eq!(findings(0.05), vec![]);
+}
+
+/// A surface a hair above another one is warned about; well above, or behind, it is not.
+#[test]
+fn close_above() {
+    let wing = Surface::trapezoid("wing", ([0.0, 0.0, 0.0], 1.0), ([0.0, 4.0, 0.0], 1.0), 4, 4);
+    let other = |x: f64, z: f64| Surface::trapezoid("other", ([x, 0.0, z], 1.0), ([x, 4.0, z], 1.0), 4, 4);
+    let findings = |x, z| {
+        Lattice::new(vec![wing.clone(), other(x, z)], PlaneSymmetry::None)
+            .unwrap()
+            .check_geometry()
+    };
+    assert_eq!(
+        find(&findings(0.1, 0.01), FindingKind::CloseAbove).unwrap().severity,
+        Severity::Warning
+    );
+    assert_eq!(findings(0.1, 0.3), vec![]);
+    assert_eq!(findings(1.5, 0.01), vec![]);
 }
