@@ -40,7 +40,10 @@ impl Diagnostic for Words {
 
 fn words(message: impl Into<String>, help: impl Into<String>) -> miette::Report {
     let help = help.into();
-    miette::Report::new(Words { message: message.into(), help: (!help.is_empty()).then_some(help) })
+    miette::Report::new(Words {
+        message: message.into(),
+        help: (!help.is_empty()).then_some(help),
+    })
 }
 
 impl Stop {
@@ -86,8 +89,14 @@ pub fn finish(outcome: Result<Done, Stop>) -> ExitCode {
 
 /// The report as text: the first line says it all for scripts, the picture of the place follows.
 fn render(report: &miette::Report) -> String {
-    let theme = if std::io::stderr().is_terminal() { GraphicalTheme::unicode() } else { GraphicalTheme::unicode_nocolor() };
-    let handler = GraphicalReportHandler::new_themed(theme).with_width(120).with_links(false);
+    let theme = if std::io::stderr().is_terminal() {
+        GraphicalTheme::unicode()
+    } else {
+        GraphicalTheme::unicode_nocolor()
+    };
+    let handler = GraphicalReportHandler::new_themed(theme)
+        .with_width(120)
+        .with_links(false);
     let mut text = format!("error: {report}\n");
     let mut picture = String::new();
     if report.labels().is_some() && handler.render_report(&mut picture, report.as_ref()).is_ok() {

@@ -6,11 +6,14 @@ mod assemble;
 pub mod dip;
 pub mod dlm;
 mod exit;
+mod figures;
+mod frequency;
 mod options;
 mod output;
 pub mod pmb;
 mod progress;
 mod stamp;
+mod traces;
 
 /// What `--version` prints: version and commit.
 const VERSION: &str = concat!(env!("CARGO_PKG_VERSION"), " (", env!("DIP_COMMIT"), ")");

@@ -45,6 +45,7 @@ impl Common {
         let messages = tracing_subscriber::fmt()
             .with_max_level(level)
             .with_writer(std::io::stderr)
+            .with_ansi(std::io::IsTerminal::is_terminal(&std::io::stderr()))
             .without_time()
             .with_target(false)
             .finish();
@@ -52,7 +53,10 @@ impl Common {
         let _ = tracing::subscriber::set_global_default(messages);
         if let Some(n) = self.threads {
             if n == 0 {
-                return Err(Stop::input("--threads 0: needed 1 or more", "leave it out to use all cores"));
+                return Err(Stop::input(
+                    "--threads 0: needed 1 or more",
+                    "leave it out to use all cores",
+                ));
             }
             let _ = rayon::ThreadPoolBuilder::new().num_threads(n).build_global();
         }
@@ -78,10 +82,20 @@ impl Common {
 
 /// Name of a case: its folder and its file, so that `agard445/flutter.toml` and `f5/flutter.toml` stay apart.
 pub fn case_name(case: &Path) -> String {
-    let stem = case.file_stem().map_or_else(|| "case".into(), |s| s.to_string_lossy().into_owned());
+    let stem = case
+        .file_stem()
+        .map_or_else(|| "case".into(), |s| s.to_string_lossy().into_owned());
     let absolute = std::path::absolute(case).unwrap_or_else(|_| case.to_path_buf());
     match absolute.parent().and_then(Path::file_name) {
         Some(folder) => format!("{}-{stem}", folder.to_string_lossy()),
         None => stem,
     }
+}
+
+/// Prints the completions of a shell on stdout.
+pub fn completions(command: &mut clap::Command, shell: clap_complete::Shell) {
+    let mut script = Vec::new();
+    let name = command.get_name().to_owned();
+    clap_complete::generate(shell, command, name, &mut script);
+    crate::output::print(&String::from_utf8_lossy(&script));
 }

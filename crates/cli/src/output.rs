@@ -28,15 +28,23 @@ impl RunFolder {
             let older: serde_json::Value = serde_json::from_str(&text).unwrap_or_default();
             if older["stamp"]["fingerprint"] != stamp.fingerprint.as_str() {
                 return Err(Stop::input(
-                    format!("{} holds a finished run of other inputs (or of another version)", path.display()),
+                    format!(
+                        "{} holds a finished run of other inputs (or of another version)",
+                        path.display()
+                    ),
                     "give another folder with --out DIR, or write over it with --force",
                 ));
             }
         }
         fs::create_dir_all(path).map_err(|e| {
-            Stop::failed(format!("{}: cannot make the folder: {e}", path.display()), "give another folder with --out DIR")
+            Stop::failed(
+                format!("{}: cannot make the folder: {e}", path.display()),
+                "give another folder with --out DIR",
+            )
         })?;
-        Ok(Self { path: path.to_path_buf() })
+        Ok(Self {
+            path: path.to_path_buf(),
+        })
     }
 
     /// Where it is.
@@ -62,7 +70,10 @@ impl RunFolder {
         };
         write().map_err(|e| {
             let _ = fs::remove_file(&temporary);
-            Stop::failed(format!("{}: cannot write: {e}", path.display()), "check the disk's space and the folder's rights")
+            Stop::failed(
+                format!("{}: cannot write: {e}", path.display()),
+                "check the disk's space and the folder's rights",
+            )
         })?;
         Ok(path)
     }

@@ -1,6 +1,8 @@
-//! The `pmb` program.
+//! The `pmb` program: grids and the flow.
+
+use std::process::ExitCode;
 
 /// Runs the program and returns its exit code.
-pub fn main() -> std::process::ExitCode {
-    std::process::ExitCode::FAILURE
+pub fn main() -> ExitCode {
+    ExitCode::FAILURE
 }

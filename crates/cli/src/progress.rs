@@ -27,7 +27,11 @@ pub fn watch_interrupts() {
 /// # Errors
 /// [`Stop::Interrupted`] with `kept`, what is on disk already.
 pub fn check_interrupt(kept: &str) -> Result<(), Stop> {
-    if INTERRUPTED.load(Ordering::SeqCst) { Err(Stop::Interrupted(kept.to_owned())) } else { Ok(()) }
+    if INTERRUPTED.load(Ordering::SeqCst) {
+        Err(Stop::Interrupted(kept.to_owned()))
+    } else {
+        Ok(())
+    }
 }
 
 /// Wall and CPU seconds of one stage.
@@ -49,13 +53,22 @@ pub struct Timer {
 impl Timer {
     /// Starts now.
     pub fn start() -> Self {
-        Self { wall: Instant::now(), cpu: ProcessTime::try_now().ok() }
+        Self {
+            wall: Instant::now(),
+            cpu: ProcessTime::try_now().ok(),
+        }
     }
 
     /// Seconds since the start.
     pub fn seconds(&self) -> Seconds {
-        let cpu_s = self.cpu.and_then(|c| c.try_elapsed().ok()).map_or(0.0, |d| d.as_secs_f64());
-        Seconds { wall_s: self.wall.elapsed().as_secs_f64(), cpu_s }
+        let cpu_s = self
+            .cpu
+            .and_then(|c| c.try_elapsed().ok())
+            .map_or(0.0, |d| d.as_secs_f64());
+        Seconds {
+            wall_s: self.wall.elapsed().as_secs_f64(),
+            cpu_s,
+        }
     }
 }
 

@@ -30,7 +30,10 @@ impl Fingerprint {
     pub fn new() -> Self {
         let mut hash = Sha256::new();
         hash.update(env!("CARGO_PKG_VERSION"));
-        Self { hash, inputs: Vec::new() }
+        Self {
+            hash,
+            inputs: Vec::new(),
+        }
     }
 
     /// Adds a case file with its overrides.
@@ -60,7 +63,13 @@ impl Fingerprint {
 
     /// The stamp of all that was added.
     pub fn stamp(&self) -> Stamp {
-        let fingerprint = self.hash.clone().finalize().iter().map(|b| format!("{b:02x}")).collect();
+        let fingerprint = self
+            .hash
+            .clone()
+            .finalize()
+            .iter()
+            .map(|b| format!("{b:02x}"))
+            .collect();
         Stamp {
             version: env!("CARGO_PKG_VERSION").to_owned(),
             commit: env!("DIP_COMMIT").to_owned(),

@@ -44,10 +44,14 @@ pub struct ReferenceTable {
 pub struct ModesTable {
     /// A structure file: modes are computed.
     pub structure: Option<PathBuf>,
-    /// A file of mode shapes: CSV (columns `x`, `y`, `z` with a unit as in `x_in`; `phi1`, `phi2`, ...), or f06, punch, op2, op4.
+    /// A file of mode shapes: CSV (columns `x`, `y`, `z` with a unit as in `x_in`; `phi1`, `phi2`, ...), or Nastran's f06, punch, op2.
     pub file: Option<PathBuf>,
-    /// Deck with the nodes, for mode files that have none (f06, punch, op4).
+    /// Deck with the nodes, for mode files of Nastran (f06, punch, op2).
     pub geometry: Option<PathBuf>,
+    /// What one unit of length in that deck is; 1 m if left out.
+    pub length_unit: Option<Length>,
+    /// What one unit of generalized mass in the mode file is; 1 kg if left out.
+    pub mass_unit: Option<Mass>,
     /// Frequencies that go with the shapes of a CSV file.
     pub frequencies: Option<Vec<Frequency>>,
     /// Generalized masses that go with the shapes of a CSV file; 1 kg each if left out.
@@ -242,4 +246,17 @@ pub enum Search {
     Speed,
     /// Altitude in the standard atmosphere, speed = Mach number times sound speed.
     MatchedPoint,
+}
+
+impl Method {
+    /// Name for tables and figures.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::K => "K",
+            Self::Ke => "KE",
+            Self::Pk => "PK",
+            Self::PkBritish => "PK (British)",
+            Self::G => "g",
+        }
+    }
 }

@@ -10,8 +10,8 @@ pub use flutter::{
     Points, ReferenceTable, Search, SplineKind, SplineTable, SurfaceTable, Symmetry,
 };
 pub use structure::{
-    Clamp, MassModel, MassTable, MaterialTable, Normalization, PlateTable, SpringTable, StructureFile, StructureModes,
-    SupportTable, ThicknessRule,
+    Clamp, ClampSpec, MassModel, MassTable, MaterialTable, Normalization, PlateTable, SpringTable, StructureFile,
+    StructureModes, SupportTable, ThicknessRule,
 };
 pub use study::{CurveKind, CurveTable, PublishedTable, StudyFile};
 pub use wing::{SectionTable, WingFile};

@@ -102,21 +102,21 @@ pub struct SupportTable {
 #[serde(untagged, expecting = "\"clamped\", \"free\" or a list of root node numbers")]
 pub enum Clamp {
     /// All, or none.
-    Word(ClampWord),
+    Spec(ClampSpec),
     /// Chordwise node numbers from 1 at the leading edge.
     Nodes(Vec<usize>),
 }
 
 impl Default for Clamp {
     fn default() -> Self {
-        Self::Word(ClampWord::Clamped)
+        Self::Spec(ClampSpec::Clamped)
     }
 }
 
 /// `"clamped"` or `"free"`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
-pub enum ClampWord {
+pub enum ClampSpec {
     /// All root nodes are held.
     Clamped,
     /// None is.

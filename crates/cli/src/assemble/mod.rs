@@ -1,0 +1,7 @@
+//! From what the user asks to what the solvers take: one file for each solver's input.
+
+pub mod lattice;
+
+pub mod modes;
+mod nastran_modes;
+pub mod structure;

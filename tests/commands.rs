@@ -1,0 +1,8 @@
+//! The programs as their users meet them: exit codes, messages, files.
+
+mod commands {
+    pub mod bad_input;
+    pub mod flutter;
+    pub mod setup;
+    pub mod study;
+}
