@@ -375,7 +375,8 @@ fn volume_findings(grid: &MultiBlock, figures: &[Figure], findings: &mut Vec<Fin
         }
     }
     let limits = [
-        (names::JACOBIAN, -1e-6, "folded at a corner"),
+        // At the edge of a sheet a corner of 180 degrees is right: zero, give or take the sheet's curvature.
+        (names::JACOBIAN, -0.1, "folded at a corner"),
         (names::SKEWNESS, 88.0, "very skewed"),
         (names::STRETCHING, 20.0, "much larger or smaller than their neighbours"),
         (names::CLOSURE, 1e-12, "not closed"),

@@ -46,12 +46,12 @@ pub(super) enum Kind {
     O,
 }
 
-/// The maps of a station's unit section and of its mean line, with a of every wall node in both.
+/// The maps of a station's unit section and of its camber line (a plate), with a of every wall node in both.
 pub(super) struct StationMaps {
     pub(super) full: Conformal,
-    pub(super) mean: Conformal,
+    pub(super) plate: Conformal,
     pub(super) full_a: Vec<f64>,
-    pub(super) mean_a: Vec<f64>,
+    pub(super) plate_a: Vec<f64>,
     section: Section,
     twist_deg: f64,
 }
@@ -61,23 +61,20 @@ impl StationMaps {
     pub(super) fn new(kind: Kind, station: &Station, t: &[f64]) -> Result<Self, MapError> {
         let section = &station.section;
         let full_curve = |t: f64| station.turned(t);
-        let mean_curve = |t: f64| {
-            let (u, l) = (section.point(t.abs()), section.point(-t.abs()));
-            station.turn([0.5 * (u[0] + l[0]), 0.5 * (u[1] + l[1])])
-        };
+        let plate_curve = |t: f64| station.camber_line(t);
         let make = |curve: &dyn Fn(f64) -> [f64; 2], radius: f64| match kind {
             Kind::C => Conformal::c(section.name(), curve, radius),
             Kind::O => Conformal::o(section.name(), curve, radius),
         };
         let full = make(&full_curve, section.nose_radius())?;
-        let mean = make(&mean_curve, 0.0)?;
+        let plate = make(&plate_curve, 0.0)?;
         let full_a = t.iter().map(|&t| full.wall_parameter(full_curve(t), t)).collect();
-        let mean_a = t.iter().map(|&t| mean.wall_parameter(mean_curve(t), t)).collect();
+        let plate_a = t.iter().map(|&t| plate.wall_parameter(plate_curve(t), t)).collect();
         Ok(Self {
             full,
-            mean,
+            plate,
             full_a,
-            mean_a,
+            plate_a,
             section: section.clone(),
             twist_deg: station.twist_deg,
         })

@@ -11,7 +11,7 @@ pub(super) struct PlaneC<'a> {
     pub(super) wall: Vec<[f64; 2]>,
     /// x of the wake's nodes from the trailing edge to the exit.
     pub(super) wake: Vec<f64>,
-    /// Share of the section's thickness (against its mean line) at a height above the wall.
+    /// Share of the section's thickness (against its camber line) at a height above the wall.
     pub(super) share: &'a (dyn Fn(f64) -> f64 + Sync),
     /// Far field distance upstream, and up and down.
     pub(super) far: f64,
@@ -38,7 +38,7 @@ impl PlaneC<'_> {
     pub(super) fn make(&self) -> Plane {
         let tail = self.wake.len() - 1;
         let last = self.wall.len() - 1 + 2 * tail;
-        // In each map: a of node i, on the section or its mean line.
+        // In each map: a of node i, on the section or its camber line.
         let parameters = |full: bool| -> Vec<Vec<f64>> {
             self.mixture
                 .iter()
@@ -46,7 +46,7 @@ impl PlaneC<'_> {
                     let (map, wall) = if full {
                         (&maps.full, &maps.full_a)
                     } else {
-                        (&maps.mean, &maps.mean_a)
+                        (&maps.plate, &maps.plate_a)
                     };
                     let wake: Vec<f64> = self.wake.iter().skip(1).map(|&x| map.wake_parameter(x)[0]).collect();
                     let below: Vec<f64> = self.wake.iter().skip(1).map(|&x| map.wake_parameter(x)[1]).collect();
@@ -58,13 +58,13 @@ impl PlaneC<'_> {
                 })
                 .collect()
         };
-        let (full_a, mean_a) = (parameters(true), parameters(false));
+        let (full_a, plate_a) = (parameters(true), parameters(false));
         let even = |all: &[Vec<f64>]| -> Vec<Vec<f64>> { all.iter().map(|a| evened(a)).collect() };
-        let (full_far, mean_far) = (even(&full_a), even(&mean_a));
+        let (full_far, plate_far) = (even(&full_a), even(&plate_a));
         let wall = |i: usize| -> [f64; 2] {
             if i < tail || i > last - tail {
                 let m = if i < tail { tail - i } else { i - (last - tail) };
-                mixed(&self.mixture, |maps| maps.mean.wake_point(self.wake[m]))
+                mixed(&self.mixture, |maps| maps.plate.wake_point(self.wake[m]))
             } else {
                 self.wall[i - tail]
             }
@@ -82,7 +82,7 @@ impl PlaneC<'_> {
                 a * (1.0 + (b / near[0]).powi(2)).sqrt()
             };
             let mapped = |b: f64| -> [f64; 2] {
-                let a0 = mean_a[0][i];
+                let a0 = plate_a[0][i];
                 let share = (self.share)(b * b + 2.0 * a0.abs() * b);
                 let mut p = [0.0; 2];
                 for (m, (maps, weight)) in self.mixture.iter().enumerate() {
@@ -95,8 +95,8 @@ impl PlaneC<'_> {
                         add(maps.full.position(a, b), weight * share);
                     }
                     if share < 1.0 {
-                        let a = lean(&mean_a[m], &mean_far[m], b);
-                        add(maps.mean.position(a, b), weight * (1.0 - share));
+                        let a = lean(&plate_a[m], &plate_far[m], b);
+                        add(maps.plate.position(a, b), weight * (1.0 - share));
                     }
                 }
                 p
@@ -110,7 +110,7 @@ impl PlaneC<'_> {
                 let fade = (-4.0 * ((p[0] - foot[0]).powi(2) + (p[1] - foot[1]).powi(2)).sqrt()).exp();
                 [p[0] + miss[0] * fade, p[1] + miss[1] * fade]
             };
-            let end = self.end(&|b| lean(&mean_a[0], &mean_far[0], b));
+            let end = self.end(&|b| lean(&plate_a[0], &plate_far[0], b));
             let beyond = (exact[0] - 1.0).max(0.0);
             let on_wake = i < tail || i > last - tail;
             let first = self.first * if on_wake { 1.0 + self.wake_growth * beyond } else { 1.0 };

@@ -230,11 +230,16 @@ fn topology(cells: [usize; 3], tail: usize, span: usize) -> Topology {
 ///
 /// On the wall it is the closure of the tip; above, the closure is spread over a span that grows with height, and its end
 /// is rounded off, so that the tip's short end does not print through to the far field.
-pub(super) fn tip_share(wing: &Wing, y: f64, height: f64) -> f64 {
-    let length = wing.tip_length + height;
-    let start = wing.tip_y() - wing.tip_length - 0.5 * height;
-    let u = (y - start) / length;
+fn tip_share(wing: &Wing, y: f64, height: f64) -> f64 {
+    // Nothing changes within a few tip lengths of the wall: were the closure to widen at once, lines would be pushed down
+    // faster than they rise.
+    let spread = height * height / (height + 4.0 * wing.tip_length);
+    let length = wing.tip_length + spread;
+    // The closure's end moves outboard too, but slowly at first, so that lines that start on the tip do not feel the
+    // thickness at once.
+    let end = wing.tip_y() + 0.5 * spread * spread / length;
+    let u = 1.0 + (y - end) / length;
     // A quarter ellipse ends with an infinite slope, its fourth power with slope zero.
-    let power = 1.0 + 3.0 * height / length;
+    let power = 1.0 + 3.0 * spread / length;
     crate::geometry::closure(wing.tip, u).powf(power)
 }

@@ -12,7 +12,6 @@ use super::aerofoil::cells_for;
 use super::chord::{self, Kind, WingMaps, mixed};
 use super::line::spread;
 use super::spacing::two_sided;
-use super::wing_ch::tip_share;
 use super::{GenerateError, check_count};
 use crate::block::Block;
 use crate::face::{Face, Window};
@@ -191,14 +190,14 @@ impl WingOo {
                 } else {
                     [0.0; 2]
                 };
-                let mean = if share < 1.0 {
-                    s.mean.position(s.mean_a[i], b)
+                let plate = if share < 1.0 {
+                    s.plate.position(s.plate_a[i], b)
                 } else {
                     [0.0; 2]
                 };
                 [
-                    mean[0] + share * (full[0] - mean[0]),
-                    mean[1] + share * (full[1] - mean[1]),
+                    plate[0] + share * (full[0] - plate[0]),
+                    plate[1] + share * (full[1] - plate[1]),
                 ]
             });
             let q = if share >= 1.0 {
@@ -226,6 +225,17 @@ impl WingOo {
             .collect();
         (nodes, ratio)
     }
+}
+
+/// Share of the section's thickness that shapes the grid at `height` above the plane of the wing at y: on the wall the
+/// closure of the tip, above it the same closure over a span that grows with height and ends smoothly. Lines here lean
+/// outboard with height, so that the closure may widen at once (in a C-H grid it may not).
+fn tip_share(wing: &Wing, y: f64, height: f64) -> f64 {
+    let length = wing.tip_length + height;
+    let start = wing.tip_y() - wing.tip_length - 0.5 * height;
+    // A quarter ellipse ends with an infinite slope, its fourth power with slope zero.
+    let power = 1.0 + 3.0 * height / length;
+    crate::geometry::closure(wing.tip, (y - start) / length).powf(power)
 }
 
 fn topology(cells: [usize; 3]) -> Topology {

@@ -198,6 +198,20 @@ impl Section {
         [0.5 * (u + l), 0.5 * (u - l)]
     }
 
+    /// Camber line at |t|: the mean of upper and lower surface, but without the part proportional to t at the nose.
+    ///
+    /// Where the foremost point is not the middle of the nose, the mean line starts like sqrt(x), at a right angle to the
+    /// chord; a thin sheet along it could not be wrapped.
+    #[must_use]
+    pub fn camber(&self, t: f64) -> f64 {
+        const REACH: f64 = 0.35;
+        // One-sided, second order: what is left of the slope must be small against t at the nodes next to the nose.
+        let h = 1e-4;
+        let mean = |t: f64| self.mean_and_half(t)[0];
+        let slope = (4.0 * mean(h) - mean(2.0 * h) - 3.0 * mean(0.0)) / (2.0 * h);
+        mean(t) - slope * t.abs() * (-(t / REACH).powi(2)).exp()
+    }
+
     /// True if the section is symmetric about z = 0 to `1e-9` chords.
     #[must_use]
     pub fn is_symmetric(&self) -> bool {

@@ -36,6 +36,14 @@ impl Station {
         self.turn(self.section.point(t))
     }
 
+    /// Point at |t| of the sheet the section shrinks to at the tip (its camber line, see [`Section::camber`]), turned by
+    /// the twist, in chords.
+    #[must_use]
+    pub fn camber_line(&self, t: f64) -> [f64; 2] {
+        let (upper, lower) = (self.section.point(t.abs()), self.section.point(-t.abs()));
+        self.turn([0.5 * (upper[0] + lower[0]), self.section.camber(t)])
+    }
+
     /// A point of the unit section turned by the twist.
     #[must_use]
     pub fn turn(&self, p: [f64; 2]) -> [f64; 2] {
@@ -158,20 +166,20 @@ impl Wing {
         closure(self.tip, (y - (self.tip_y() - self.tip_length)) / self.tip_length)
     }
 
-    /// Point `[x, y, z]` of the surface at y and section parameter t (1: upper trailing edge, -1: lower). Beyond the tip,
-    /// the mean surface.
+    /// Point `[x, y, z]` of the surface at y and section parameter t (1: upper trailing edge, -1: lower). In the tip's
+    /// closure the section shrinks towards its camber line; beyond the tip only that is left.
     #[must_use]
     pub fn point(&self, y: f64, t: f64) -> [f64; 3] {
         let at = self.between(y);
         let [x_le, z_le, chord] = self.planform(y);
         let left = self.closure(y);
         let ruled = |station: &Station| {
-            let upper = station.section.point(t.abs());
-            let lower = station.section.point(-t.abs());
-            let side = if t < 0.0 { -left } else { left };
-            let mean = [0.5 * (upper[0] + lower[0]), 0.5 * (upper[1] + lower[1])];
-            let half = [0.5 * (upper[0] - lower[0]), 0.5 * (upper[1] - lower[1])];
-            station.turn([mean[0] + side * half[0], mean[1] + side * half[1]])
+            let (full, plate) = (station.turned(t), station.camber_line(t));
+            if left == 1.0 {
+                full
+            } else {
+                [0, 1].map(|d| plate[d] + left * (full[d] - plate[d]))
+            }
         };
         let (a, b) = (&self.stations[at.inner], &self.stations[at.inner + 1]);
         let (pa, pb) = (ruled(a), ruled(b));
