@@ -61,7 +61,7 @@ pub(crate) fn matrices(
     }
     let m = match settings.mass {
         MassForm::Lumped => mass_lumped(section, length),
-        MassForm::Consistent => mass_consistent(section, length),
+        MassForm::Consistent | MassForm::Mean => mass_consistent(section, length),
     };
     let turn = to_element(&axes, &bar.offsets);
     let dynamic = |m: &Matrix12| DMatrix::from_fn(12, 12, |i, j| m[(i, j)]);

@@ -179,16 +179,18 @@ impl Pencil {
         }
     }
 
-    /// |x|^T |K| |x|: the size of the terms that x^T K x is the sum of.
-    pub fn stiffness_magnitude(&self, x: &[f64]) -> f64 {
-        let mut sum = 0.0;
+    /// |K| |x|: the size of the terms that each component of K x is the sum of.
+    pub fn stiffness_magnitudes(&self, x: &[f64]) -> Vec<f64> {
+        let mut y = vec![0.0; self.size];
         for j in 0..self.size {
             for (i, k) in self.column(&self.stiffness, j) {
-                let twice = if i == j { 1.0 } else { 2.0 };
-                sum += twice * (x[i] * k * x[j]).abs();
+                if i != j {
+                    y[i] += (k * x[j]).abs();
+                }
+                y[j] += (k * x[i]).abs();
             }
         }
-        sum
+        y
     }
 
     /// Diagonals of K and M.

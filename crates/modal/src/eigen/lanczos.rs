@@ -39,7 +39,23 @@ struct Basis<'a> {
     /// Q^T M A Q over the processed columns.
     t: Mat<f64>,
     /// Generator of start vectors.
-    random: u64,
+    random: Random,
+}
+
+/// A fixed sequence of numbers in [-1, 1) (xorshift, Marsaglia, J. Stat. Softw. 8 (2003)).
+struct Random(u64);
+
+impl Random {
+    fn new() -> Self {
+        Self(0x9E37_79B9_7F4A_7C15)
+    }
+
+    fn next(&mut self) -> f64 {
+        self.0 ^= self.0 << 13;
+        self.0 ^= self.0 >> 7;
+        self.0 ^= self.0 << 17;
+        (self.0 >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
+    }
 }
 
 /// Root of x^T M x.
@@ -63,16 +79,8 @@ impl<'a> Basis<'a> {
             q: Mat::zeros(n, capacity + BLOCK),
             used: 0,
             t: Mat::zeros(capacity + BLOCK, capacity + BLOCK),
-            random: 0x9E37_79B9_7F4A_7C15,
+            random: Random::new(),
         }
-    }
-
-    /// Next value in [-1, 1) of a fixed sequence (xorshift, Marsaglia 2003).
-    fn random(&mut self) -> f64 {
-        self.random ^= self.random << 13;
-        self.random ^= self.random >> 7;
-        self.random ^= self.random << 17;
-        (self.random >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
     }
 
     /// A x for every column of `x`.
@@ -153,7 +161,7 @@ impl<'a> Basis<'a> {
                 r[(self.used - before, c)] = left;
             } else {
                 // An exhausted direction couples to nothing: R keeps zero there.
-                let fresh: Vec<f64> = (0..n).map(|_| self.random()).collect();
+                let fresh: Vec<f64> = (0..n).map(|_| self.random.next()).collect();
                 v = self.operate(&fresh)?;
                 let start = norm(self.pencil, &v);
                 self.project_out(&mut v);
@@ -225,7 +233,7 @@ impl<'a> Basis<'a> {
     /// Starts with a block from the range of the operator, so that massless motions are not in it.
     fn start(&mut self) -> Result<usize, ModelError> {
         let n = self.pencil.size();
-        let x: Vec<f64> = (0..n * BLOCK.min(n)).map(|_| self.random()).collect();
+        let x: Vec<f64> = (0..n * BLOCK.min(n)).map(|_| self.random.next()).collect();
         let w = self.operate(&x)?;
         let sizes = self.sizes(&w);
         Ok(self.append(&w, &sizes)?.0)
@@ -252,7 +260,7 @@ pub(super) fn lowest_elastic(pencil: &Pencil, factor: &Factor<'_>, shift: f64) -
     let keep = theta.len().min(2 * BLOCK);
     let lifted = basis.lift(&y, processed, keep);
     for j in 0..keep {
-        let pair = pair(pencil, factor, shift, lifted.col(j).iter().copied().collect())?;
+        let pair = pair(pencil, factor, lifted.col(j).iter().copied().collect())?;
         if pair.lambda > 100.0 * f64::EPSILON * pair.magnitude {
             return Ok(pair.lambda);
         }
@@ -298,20 +306,18 @@ pub(super) fn solve(
             let positive = (0..enough).filter(|&j| theta[j] > 1e-14 * theta[0]).count();
             let lifted = basis.lift(&y, processed, positive);
             let mut pairs = (0..positive)
-                .map(|j| pair(pencil, factor, shift, lifted.col(j).iter().copied().collect()))
+                .map(|j| pair(pencil, factor, lifted.col(j).iter().copied().collect()))
                 .collect::<Result<Vec<_>, _>>()?;
             pairs.sort_by(|a, b| a.lambda.total_cmp(&b.lambda));
-            if let Some((mode, p)) = pairs
-                .iter()
-                .enumerate()
-                .find(|(_, p)| p.residual > tolerance && !round_off(p, shift))
-            {
-                return Err(EigenError::NotConverged {
-                    mode: mode + 1,
-                    residual: p.residual,
-                    tolerance,
-                    steps: processed / BLOCK,
-                });
+            for (mode, p) in pairs.iter().enumerate().filter(|(_, p)| p.residual > tolerance) {
+                if p.residual > round_off(pencil, factor, p)? {
+                    return Err(EigenError::NotConverged {
+                        mode: mode + 1,
+                        residual: p.residual,
+                        tolerance,
+                        steps: processed / BLOCK,
+                    });
+                }
             }
             let next = theta.get(enough).filter(|t| **t > 0.0).map(|t| 1.0 / t - shift);
             return Ok(Found { pairs, next });
@@ -341,30 +347,35 @@ pub(super) fn solve(
     })
 }
 
-/// Whether the residual is what round-off in K alone makes it.
-fn round_off(pair: &Pair, shift: f64) -> bool {
-    let scale = (pair.lambda + shift).abs();
-    pair.residual * scale <= 1e4 * f64::EPSILON * pair.magnitude
+/// The residual that round-off in the terms of K x alone makes: their size in units of the last place
+/// with random signs, through the same solve.
+fn round_off(pencil: &Pencil, factor: &Factor<'_>, pair: &Pair) -> Result<f64, ModelError> {
+    let mut random = Random::new();
+    let mut z = pencil.stiffness_magnitudes(&pair.shape);
+    z.iter_mut()
+        .for_each(|v| *v *= 16.0 * f64::EPSILON * random.next().signum());
+    factor.solve(&mut z, 1)?;
+    Ok(norm(pencil, &z))
 }
 
 /// Normalizes a shape and takes its Rayleigh quotient and residual.
-fn pair(pencil: &Pencil, factor: &Factor<'_>, shift: f64, mut shape: Vec<f64>) -> Result<Pair, ModelError> {
+fn pair(pencil: &Pencil, factor: &Factor<'_>, mut shape: Vec<f64>) -> Result<Pair, ModelError> {
     let n = pencil.size();
     let (mut mx, mut kx) = (vec![0.0; n], vec![0.0; n]);
     pencil.mass_times(&shape, &mut mx);
     let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(x, y)| x * y).sum::<f64>();
-    let norm = dot(&shape, &mx).max(f64::MIN_POSITIVE).sqrt();
-    shape.iter_mut().for_each(|v| *v /= norm);
-    mx.iter_mut().for_each(|v| *v /= norm);
+    let size = dot(&shape, &mx).max(f64::MIN_POSITIVE).sqrt();
+    shape.iter_mut().for_each(|v| *v /= size);
+    mx.iter_mut().for_each(|v| *v /= size);
     pencil.stiffness_times(&shape, &mut kx);
     let lambda = dot(&shape, &kx);
-    // ||K x - lambda M x|| in the norm of (K + s M)^-1 over the root of lambda + s bounds the relative
-    // error of lambda + s: Parlett, The Symmetric Eigenvalue Problem, 15-9.
-    let r: Vec<f64> = kx.iter().zip(&mx).map(|(k, m)| k - lambda * m).collect();
-    let mut z = r.clone();
+    // ||A x - theta x|| over theta, in the norm of M: an eigenvalue theta lies within that relative distance
+    // (Parlett, The Symmetric Eigenvalue Problem, 4-5). A x - theta x = -theta (K + s M)^-1 (K x - lambda M x).
+    let mut z: Vec<f64> = kx.iter().zip(&mx).map(|(k, m)| k - lambda * m).collect();
     factor.solve(&mut z, 1)?;
-    let residual = (dot(&r, &z).max(0.0) / (lambda + shift).abs().max(f64::MIN_POSITIVE)).sqrt();
-    let magnitude = pencil.stiffness_magnitude(&shape);
+    let residual = norm(pencil, &z);
+    let terms = pencil.stiffness_magnitudes(&shape);
+    let magnitude = shape.iter().zip(&terms).map(|(x, t)| x.abs() * t).sum();
     Ok(Pair {
         lambda,
         shape,

@@ -135,13 +135,14 @@ impl CornerMass {
         }
     }
 
-    /// Row sums on the diagonal: the shape functions sum to one, so the total stays.
-    fn lump(&mut self) {
+    /// Moves the part `share` of the mass to the diagonal, row by row: the shape functions sum to one,
+    /// so the total stays.
+    fn lump(&mut self, share: f64) {
         for m in [&mut self.translation, &mut self.rotation] {
             for (i, row) in m.iter_mut().enumerate() {
-                let sum = row.iter().sum();
-                *row = [0.0; 4];
-                row[i] = sum;
+                let sum: f64 = row.iter().sum();
+                row.iter_mut().for_each(|v| *v *= 1.0 - share);
+                row[i] += share * sum;
             }
         }
     }
@@ -211,9 +212,11 @@ pub(crate) fn matrices(
     } else {
         triangle(&plane, &field, drilling)
     };
-    if settings.mass == MassForm::Lumped {
-        mass.lump();
-    }
+    mass.lump(match settings.mass {
+        MassForm::Lumped => 1.0,
+        MassForm::Consistent => 0.0,
+        MassForm::Mean => 0.5,
+    });
     let n = points.len();
     let mut local_mass = DMatrix::zeros(6 * n, 6 * n);
     for i in 0..n {
