@@ -9,7 +9,7 @@ use crate::characteristic::{Characteristic, Root};
 use crate::error::Result;
 use crate::follow::{Branch, Path, Station, hermite};
 use crate::problem::{Condition, Settings};
-use crate::solution::{Crossing, CrossingKind, Direction, Hump, Severity};
+use crate::solution::{Crossing, CrossingKind, Direction, Hump, Severity, Warning};
 
 /// g = 2 sigma / omega; for a real root 2 sigma b / (U ln 2), the length to double or halve in semichords as Nastran prints
 /// it (NASTRAN-95 FA1PKE; MSC Aeroelastic Analysis User's Guide, PK-method).
@@ -56,9 +56,11 @@ fn solve_between(
         start.p.im = near.root.p.im;
     }
     let condition = path(t);
-    let Some(root) = equation.correct(&start, condition)? else {
-        return Ok(None);
+    let corrected = match equation.correct(&start, condition)? {
+        Some(root) => Some(root),
+        None => equation.correct(&near.root, condition)?,
     };
+    let Some(root) = corrected else { return Ok(None) };
     let mac = equation.mac(&near.root.x, &root.x);
     if mac < 0.3 {
         return Ok(None);
@@ -159,6 +161,7 @@ pub(crate) fn find_crossings(
     path: &Path<'_>,
     branch: &Branch,
     settings: &Settings,
+    warnings: &mut Vec<Warning>,
 ) -> Result<Vec<Crossing>> {
     let mut crossings = Vec::new();
     // Damping of exactly zero (no air forces, no damping) is no crossing: the last station clearly off zero counts.
@@ -174,7 +177,13 @@ pub(crate) fn find_crossings(
         if let Some(before) = last
             && before.root.p.re * station.root.p.re < 0.0
         {
-            crossings.extend(solve_crossing(equation, path, branch.mode, before, station, settings)?);
+            match solve_crossing(equation, path, branch.mode, before, station, settings)? {
+                Some(crossing) => crossings.push(crossing),
+                None => warnings.push(Warning::Unresolved {
+                    mode: branch.mode,
+                    between: (before.t, station.t),
+                }),
+            }
         }
         last = Some(station);
     }
@@ -230,7 +239,11 @@ fn solve_crossing(
             break;
         }
     }
-    let Some(root) = found else { return Ok(None) };
+    // Without a root at zero damping there is no crossing: the tracking jumped, which its confidence says.
+    let near_zero = |s: &Station| s.root.p.re.abs() <= 1e-6 * s.root.p.im;
+    let Some(root) = found.filter(near_zero) else {
+        return Ok(None);
+    };
     let condition = path(root.t);
     let onset = first.root.p.re < 0.0;
     let k = equation.reduced_frequency(root.root.p.im, condition);

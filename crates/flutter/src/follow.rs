@@ -11,6 +11,9 @@ use crate::characteristic::{Characteristic, Root};
 use crate::error::Result;
 use crate::problem::{Condition, Settings};
 
+/// Stations of one branch after which steps are halved no more: bounds the work of hopeless problems.
+pub(crate) const MAX_STATIONS: usize = 2000;
+
 /// A path of conditions with the parameter of the sweep.
 pub(crate) type Path<'p> = dyn Fn(f64) -> Condition + 'p;
 
@@ -53,7 +56,8 @@ pub(crate) fn advance(
     depth: u32,
     requested: bool,
 ) -> Result<()> {
-    let last_resort = depth >= settings.halvings;
+    let longest = branches.iter().map(|b| b.stations.len()).max().unwrap_or(0);
+    let last_resort = depth >= settings.halvings || longest > MAX_STATIONS;
     let accepted = try_step(equation, path, branches, (from, to), settings, last_resort, depth >= 3)?;
     if let Some(stations) = accepted {
         for (branch, station) in branches.iter_mut().zip(stations) {

@@ -16,6 +16,7 @@ use crate::assignment::assign;
 use crate::characteristic::{Characteristic, DampingExpansion, scale_shape};
 use crate::crossing::severity;
 use crate::error::{FlutterError, Result, check_value};
+use crate::follow::MAX_STATIONS;
 use crate::forces::check_finite;
 use crate::linear::{bilinear, eigen_pencil, normalize};
 use crate::p_method::refuse_outside;
@@ -68,6 +69,8 @@ struct KEquation<'a> {
     mass: Vec<c64>,
     stiffness: Vec<c64>,
     q: Mat<c64>,
+    /// Greatest natural frequency, rad/s.
+    scale_rad_s: f64,
 }
 
 impl<'a> KEquation<'a> {
@@ -89,6 +92,7 @@ impl<'a> KEquation<'a> {
             mass: columns(&structure.mass),
             stiffness,
             q: Mat::zeros(n, n),
+            scale_rad_s: structure.natural.omega_rad_s.iter().fold(1e-12, |m, &w| f64::max(m, w)),
         }
     }
 
@@ -150,6 +154,11 @@ impl<'a> KEquation<'a> {
                 KRoot::new(k, p, b, x)
             })
             .collect())
+    }
+
+    /// Coordinate in which roots are compared: ln p, with a small shift so that a rigid-body root (p = 0) has one too.
+    fn log_p(&self, root: &KRoot) -> c64 {
+        (root.p_rad_s + c64::new(0.0, 1e-3 * self.scale_rad_s)).ln()
     }
 
     fn mac(&self, a: &[c64], b: &[c64]) -> f64 {
@@ -252,14 +261,16 @@ pub fn solve_k(
     for (index, track) in tracks.iter().enumerate() {
         let mode = index + 1;
         for pair in track.windows(2) {
-            crossings.extend(k_crossing(
-                &mut equation,
-                mode,
-                &pair[0],
-                &pair[1],
-                density_kg_m3,
-                settings,
-            )?);
+            match k_crossing(&mut equation, mode, &pair[0], &pair[1], density_kg_m3, settings)? {
+                KCrossing::Found(crossing) => crossings.push(*crossing),
+                KCrossing::Unresolved => {
+                    warnings.push(Warning::Unresolved {
+                        mode,
+                        between: (pair[0].root.k, pair[1].root.k),
+                    });
+                }
+                KCrossing::None => {}
+            }
         }
         humps.extend(k_humps(mode, track, density_kg_m3));
         let points: Vec<ModePoint> = track
@@ -411,14 +422,9 @@ fn extend_tracks(
     requested: bool,
 ) -> Result<()> {
     let roots = equation.roots(to, density_kg_m3)?;
-    if place(
-        equation,
-        tracks,
-        &roots,
-        settings,
-        depth >= settings.halvings,
-        requested,
-    ) {
+    let longest = tracks.iter().map(Vec::len).max().unwrap_or(0);
+    let last_resort = depth >= settings.halvings || longest > MAX_STATIONS;
+    if place(equation, tracks, &roots, settings, last_resort, requested) {
         return Ok(());
     }
     let middle = (from * to).sqrt();
@@ -462,9 +468,9 @@ fn place(
     let mut costs = Vec::with_capacity(tracks.len());
     for track in tracks.iter() {
         let last = &track[track.len() - 1].root;
-        let expected = expected_log_p(track, roots[0].k);
+        let expected = expected_log_p(equation, track, roots[0].k);
         let mac: Vec<f64> = roots.iter().map(|r| equation.mac(&last.shape, &r.shape)).collect();
-        let miss: Vec<f64> = roots.iter().map(|r| (r.p_rad_s.ln() - expected).norm()).collect();
+        let miss: Vec<f64> = roots.iter().map(|r| (equation.log_p(r) - expected).norm()).collect();
         costs.push(
             mac.iter()
                 .zip(&miss)
@@ -480,7 +486,7 @@ fn place(
             let own = order[t];
             let gap = (0..roots.len())
                 .filter(|&r| r != own)
-                .map(|r| (roots[r].p_rad_s.ln() - roots[own].p_rad_s.ln()).norm())
+                .map(|r| (equation.log_p(&roots[r]) - equation.log_p(&roots[own])).norm())
                 .fold(f64::INFINITY, f64::min);
             let rival = (0..roots.len())
                 .filter(|&r| r != own)
@@ -507,9 +513,9 @@ fn place(
 }
 
 /// ln p expected at `k` from the last two stations.
-fn expected_log_p(track: &[KStation], k: f64) -> c64 {
+fn expected_log_p(equation: &KEquation<'_>, track: &[KStation], k: f64) -> c64 {
     let last = &track[track.len() - 1].root;
-    let here = last.p_rad_s.ln();
+    let here = equation.log_p(last);
     if track.len() < 2 {
         return here;
     }
@@ -518,7 +524,17 @@ fn expected_log_p(track: &[KStation], k: f64) -> c64 {
     if span == 0.0 || step / span < 0.0 || step / span > 2.0 {
         return here;
     }
-    here + (here - before.p_rad_s.ln()) * (step / span)
+    here + (here - equation.log_p(before)) * (step / span)
+}
+
+/// What lies between two stations.
+enum KCrossing {
+    /// No change of sign.
+    None,
+    /// A root at g = 0.
+    Found(Box<Crossing>),
+    /// A change of sign without a root.
+    Unresolved,
 }
 
 /// g = 0 between two stations, solved in ln k by regula falsi (Illinois) on the root of the same shape.
@@ -529,14 +545,14 @@ fn k_crossing(
     second: &KStation,
     density_kg_m3: f64,
     settings: &Settings,
-) -> Result<Option<Crossing>> {
+) -> Result<KCrossing> {
     let (Some(u_first), Some(u_second)) = (first.root.speed_m_s, second.root.speed_m_s) else {
-        return Ok(None);
+        return Ok(KCrossing::None);
     };
     let (g_first, g_second) = (first.root.g, second.root.g);
     // Round-off about zero (no air forces, no damping) is no crossing.
     if g_first * g_second >= 0.0 || g_first.abs().max(g_second.abs()) < 1e-11 {
-        return Ok(None);
+        return Ok(KCrossing::None);
     }
     let linear = g_first / (g_first - g_second);
     let (mut a, mut b) = (first.root.clone(), second.root.clone());
@@ -552,10 +568,10 @@ fn k_crossing(
         };
         let k = (a.k.ln() * (1.0 - s) + b.k.ln() * s).exp();
         let near = if s < 0.5 { &a } else { &b };
-        let expected = a.p_rad_s.ln() * (1.0 - s) + b.p_rad_s.ln() * s;
+        let expected = equation.log_p(&a) * (1.0 - s) + equation.log_p(&b) * s;
         let roots = equation.roots(k, density_kg_m3)?;
         let cost = |r: &KRoot| {
-            1.0 - equation.mac(&near.shape, &r.shape) / (1.0 + ((r.p_rad_s.ln() - expected).norm() / 0.2).powi(2))
+            1.0 - equation.mac(&near.shape, &r.shape) / (1.0 + ((equation.log_p(r) - expected).norm() / 0.2).powi(2))
         };
         let Some(middle) = roots.into_iter().min_by(|x, y| cost(x).total_cmp(&cost(y))) else {
             break;
@@ -577,11 +593,12 @@ fn k_crossing(
         }
         last_side = side;
     }
-    let Some(speed_m_s) = found.speed_m_s else {
-        return Ok(None);
+    // A jump of the tracking is no crossing.
+    let Some(speed_m_s) = found.speed_m_s.filter(|_| found.g.abs() <= 1e-6) else {
+        return Ok(KCrossing::Unresolved);
     };
     let slope = speed_m_s * slope_of_free_motion(equation, &found, speed_m_s, density_kg_m3)?;
-    Ok(Some(Crossing {
+    Ok(KCrossing::Found(Box::new(Crossing {
         mode,
         kind: CrossingKind::Flutter,
         direction: if slope >= 0.0 {
@@ -602,7 +619,7 @@ fn k_crossing(
         interpolated_speed_m_s: u_first + linear * (u_second - u_first),
         confidence: first.confidence.min(second.confidence),
         shape: found.shape,
-    }))
+    })))
 }
 
 /// Where g turns back just short of zero between the samples it may have crossed zero twice: the extremum next to such a
@@ -658,7 +675,7 @@ fn insert_hidden_extrema(equation: &mut KEquation<'_>, track: &mut Vec<KStation>
 /// The root most like a given one in shape and place.
 fn nearest_root(equation: &KEquation<'_>, roots: Vec<KRoot>, like: &KRoot) -> Option<KRoot> {
     let cost = |r: &KRoot| {
-        let distance = (r.p_rad_s.ln() - like.p_rad_s.ln()).norm() / 0.2;
+        let distance = (equation.log_p(r) - equation.log_p(like)).norm() / 0.2;
         1.0 - equation.mac(&like.shape, &r.shape) / (1.0 + distance * distance)
     };
     roots.into_iter().min_by(|a, b| cost(a).total_cmp(&cost(b)))

@@ -54,7 +54,7 @@ pub(crate) fn solve(
     let mut humps = Vec::new();
     for branch in &mut branches {
         humps.extend(insert_extrema(&mut equation, &path, branch)?);
-        crossings.extend(find_crossings(&mut equation, &path, branch, settings)?);
+        crossings.extend(find_crossings(&mut equation, &path, branch, settings, &mut warnings)?);
     }
     crossings.extend(find_divergence(&mut equation, &path, parameters, &branches, settings)?);
     let order = |a: f64, b: f64| if falling { b.total_cmp(&a) } else { a.total_cmp(&b) };
@@ -387,7 +387,7 @@ fn collect_warnings(
                 parameter: point.parameter,
             });
         }
-        if curve.points.first().is_some_and(|p| p.g > 1e-6) && !branch.is_lag_root {
+        if curve.points.first().is_some_and(|p| p.g > 1e-6) {
             warnings.push(Warning::UnstableAtStart { mode });
         }
     }

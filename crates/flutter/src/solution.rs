@@ -210,6 +210,14 @@ pub enum Warning {
         /// Where it was found.
         parameter: f64,
     },
+    /// The damping of a mode changes sign between two conditions, but no root at zero damping lies between: the curve jumped
+    /// there from one root to another. Take closer conditions or more reduced frequencies.
+    Unresolved {
+        /// Mode number.
+        mode: usize,
+        /// The two sweep parameters.
+        between: (f64, f64),
+    },
     /// An unstable root that appears at strong damping without ever crossing zero: a product of the method's expansion of Q
     /// for damped motion, left out of the curves.
     Artifact {

@@ -8,9 +8,10 @@ use std::path::Path;
 
 use dip_flutter::theodorsen::{TypicalSection, theodorsen, theodorsen_laplace, theodorsen_laplace_slope};
 use dip_flutter::{
-    AirState, CrossingKind, DampingForm, Direction, FlightPoint, FlutterError, FlutterProblem, FlutterSolution,
-    GeneralizedForces, Interpolation, KDomain, KRange, Method, OutOfRange, Settings, StructuralDamping, Structure,
-    Sweep, TabulatedForces, k_roots, matched_mach, solve, solve_k, solve_points,
+    AirState, BoundaryCase, CrossingKind, DampingForm, Direction, FlightPoint, FlutterError, FlutterProblem,
+    FlutterSolution, GeneralizedForces, Interpolation, KDomain, KRange, Method, OutOfRange, Settings,
+    StructuralDamping, Structure, Sweep, TabulatedForces, k_roots, matched_mach, solve, solve_boundary, solve_k,
+    solve_points,
 };
 use faer::{Mat, MatMut, c64};
 
@@ -684,6 +685,151 @@ fn roots_are_distinct_and_satisfy_the_equation_for_n_up_to_30() {
             }
         }
     }
+}
+
+/// A free-flying section: plunge without stiffness. Every curve consists of roots of the equation, K gives no speed to the
+/// rigid mode where it has none, and nothing fails.
+#[test]
+fn rigid_body_mode_is_no_obstacle() {
+    let section = section(-0.2, 0.2, 0.25, 20.0, 0.0);
+    let structure = section.structure(DENSITY).unwrap();
+    assert!(structure.natural_modes().omega_rad_s[0] < 1e-3);
+    let forces = section.forces();
+    let problem = FlutterProblem {
+        structure: &structure,
+        forces: &forces,
+        semichord_m: 0.5,
+        mach: 0.0,
+    };
+    let speeds = linspace(10.0, 80.0, 15);
+    let sweep = Sweep::Speed {
+        density_kg_m3: DENSITY,
+        speeds_m_s: &speeds,
+    };
+    let flutter = |method: Method| {
+        let solution = solve(&problem, method, &sweep, &Settings::default()).unwrap();
+        if method == Method::Pk {
+            for point in solution.modes.iter().flat_map(|m| &m.points).filter(|p| p.k > 0.0) {
+                assert!(det_pk(&section, point) < 1e-9, "{}", det_pk(&section, point));
+            }
+        }
+        solution.flutter().map(|c| (c.speed_m_s, c.freq_hz))
+    };
+    let reference = flutter(Method::K);
+    for method in [Method::Pk, Method::PkHassig, Method::G] {
+        let found = flutter(method);
+        assert_eq!(
+            found.is_some(),
+            reference.is_some(),
+            "{method}: {found:?} {reference:?}"
+        );
+        if let (Some(a), Some(b)) = (found, reference) {
+            assert!(
+                (a.0 / b.0 - 1.0).abs() < 1e-7 && (a.1 / b.1 - 1.0).abs() < 1e-7,
+                "{method}"
+            );
+        }
+    }
+}
+
+/// |det F| of Nastran's PK form over the product of its diagonal terms' sizes.
+fn det_pk(section: &TypicalSection, point: &dip_flutter::ModePoint) -> f64 {
+    let (b, p, speed) = (section.semichord_m, point.p_rad_s, point.speed_m_s);
+    let q = section.forces().q_laplace(c64::new(0.0, point.k));
+    let aero = |i: usize, j: usize| {
+        (c64::new(q[i][j].re, 0.0) + p * (b / speed) * (q[i][j].im / point.k)) * (0.5 * DENSITY * speed * speed)
+    };
+    let scale = section.mass_ratio * PI * DENSITY * b.powi(4);
+    let p2 = p * p;
+    let h = (p2 + section.omega_h_rad_s.powi(2)) * scale - aero(0, 0);
+    let alpha = (p2 + section.omega_alpha_rad_s.powi(2)) * section.r_alpha_squared * scale - aero(1, 1);
+    let x = p2 * section.x_alpha * scale;
+    let size = (p2.norm() * scale + aero(0, 0).norm()) * (p2.norm() * scale + aero(1, 1).norm());
+    (h * alpha - (x - aero(0, 1)) * (x - aero(1, 0))).norm() / size
+}
+
+/// Tables without physics (random entries, strongly coupled) must neither panic nor run on, and what comes out are roots.
+#[test]
+fn random_tables_are_survived() {
+    let mut state = 99_u64;
+    let mut random = || {
+        state = state
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1_442_695_040_888_963_407);
+        (state >> 11) as f64 / (1_u64 << 53) as f64 - 0.5
+    };
+    let speeds = linspace(5.0, 60.0, 8);
+    for case in 0..25 {
+        let n = 2 + case % 4;
+        let ks = [0.0, 0.1, 0.3, 0.7, 1.5];
+        let q: Vec<_> = ks
+            .iter()
+            .map(|&k| {
+                Mat::from_fn(n, n, |_, _| {
+                    c64::new(8.0 * random(), if k > 0.0 { 4.0 * k * random() } else { 0.0 })
+                })
+            })
+            .collect();
+        let freq: Vec<f64> = (0..n).map(|i| 2.0 + i as f64 + random()).collect();
+        let structure = Structure::from_modes(&vec![1.0; n], &freq).unwrap();
+        let forces = TabulatedForces::new(&ks, &q, Interpolation::EvenCubicSpline).unwrap();
+        let problem = FlutterProblem {
+            structure: &structure,
+            forces: &forces,
+            semichord_m: 1.0,
+            mach: 0.0,
+        };
+        let sweep = Sweep::Speed {
+            density_kg_m3: 0.5,
+            speeds_m_s: &speeds,
+        };
+        for method in METHODS {
+            let solution = solve(&problem, method, &sweep, &Settings::default()).unwrap();
+            for point in solution.modes.iter().flat_map(|m| &m.points) {
+                assert!(point.p_rad_s.re.is_finite() && point.p_rad_s.im.is_finite() && point.g.is_finite());
+                if method == Method::Pk && point.k > 1e-3 {
+                    assert!(
+                        residual(&problem, point) < 1e-6,
+                        "case {case}: {}",
+                        residual(&problem, point)
+                    );
+                }
+            }
+            for crossing in solution.crossings.iter().filter(|c| c.kind == CrossingKind::Flutter) {
+                assert!(crossing.residual_g.abs() < 1e-6, "case {case} {method}: {crossing:?}");
+            }
+        }
+    }
+}
+
+/// A boundary solved with one thread and with several is the same to the last bit.
+#[test]
+fn threads_do_not_change_a_bit() {
+    let sections: Vec<_> = section_cases().into_iter().map(|c| c.1).collect();
+    let structures: Vec<_> = sections.iter().map(|s| s.structure(DENSITY).unwrap()).collect();
+    let forces: Vec<_> = sections.iter().map(TypicalSection::forces).collect();
+    let speeds = linspace(5.0, 60.0, 10);
+    let cases: Vec<_> = (0..sections.len())
+        .map(|i| BoundaryCase {
+            problem: FlutterProblem {
+                structure: &structures[i],
+                forces: &forces[i],
+                semichord_m: 0.5,
+                mach: 0.0,
+            },
+            sweep: Sweep::Speed {
+                density_kg_m3: DENSITY,
+                speeds_m_s: &speeds,
+            },
+        })
+        .collect();
+    let with = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| solve_boundary(&cases, Method::Pk, &Settings::default()).unwrap())
+    };
+    let one = with(1);
+    assert_eq!(one, with(2));
+    assert_eq!(one, with(5));
 }
 
 /// |F(p) q| over the size of its terms for Nastran's PK form, from the public data alone.
