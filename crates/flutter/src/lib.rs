@@ -27,6 +27,8 @@ pub mod decay;
 mod error;
 mod follow;
 mod forces;
+mod k_crossing;
+mod k_equation;
 mod k_method;
 mod linear;
 mod matched;
@@ -35,12 +37,14 @@ mod problem;
 mod solution;
 mod solve;
 mod structure;
+mod table;
 pub mod theodorsen;
 
 pub use boundary::{BoundaryPoint, SpeedIndexReference};
 pub use error::{FlutterError, Result};
-pub use forces::{Extension, GeneralizedForces, Interpolation, KDomain, KRange, TabulatedForces};
-pub use k_method::{KRoot, k_roots, solve_k};
+pub use forces::{GeneralizedForces, KDomain, KRange};
+pub use k_equation::{KRoot, k_roots};
+pub use k_method::solve_k;
 pub use matched::{FlightPoint, MatchedPoint, matched_mach, solve_points};
 pub use problem::{AirState, Atmosphere, FlutterProblem, OutOfRange, Settings, Sweep};
 pub use solution::{
@@ -48,3 +52,4 @@ pub use solution::{
 };
 pub use solve::{BoundaryCase, solve, solve_boundary};
 pub use structure::{DampingForm, NaturalModes, StructuralDamping, Structure};
+pub use table::{Extension, Interpolation, TabulatedForces};

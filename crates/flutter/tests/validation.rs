@@ -14,7 +14,7 @@ fn data(name: &str) -> String {
     std::fs::read_to_string(&path).unwrap_or_else(|e| panic!("{}: {e}", path.display()))
 }
 
-/// The listings print p, V, g and f of each root. Ours are made from p by the formulas in `k_method.rs` (V = |p^2| / sqrt(-Re
+/// The listings print p, V, g and f of each root. Ours are made from p by the formulas in `k_equation.rs` (V = |p^2| / sqrt(-Re
 /// p^2), g = -Im p^2 / Re p^2) and `crossing.rs` (g = 2 sigma / omega): they must give the printed digits.
 #[test]
 fn printed_eigenvalues_give_the_printed_speed_and_damping() {
