@@ -84,7 +84,7 @@ pub struct MaterialTable {
     pub density: Density,
     /// Angle of the 1-axis from the y axis towards x: the sweep of the fibres.
     pub axis_sweep: Option<Angle>,
-    /// Transverse shear modulus; `g12` if left out.
+    /// Transverse shear modulus; a thin plate, rigid in transverse shear, if left out.
     pub g_transverse: Option<Pressure>,
 }
 

@@ -199,7 +199,8 @@ fn material(document: &Document, file: &StructureFile) -> Result<Material, CaseE
         ));
     }
     let g12 = m.g12.map_or(m.e1.0 / (2.0 * (1.0 + m.nu12)), |v| v.0);
-    let transverse = Some(m.g_transverse.map_or(g12, |v| v.0));
+    // Without a transverse shear modulus the plate is thin (Kirchhoff).
+    let transverse = m.g_transverse.map(|v| v.0);
     Ok(Material {
         elasticity: Elasticity::Orthotropic {
             young_1: m.e1.0,
