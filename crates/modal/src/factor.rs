@@ -22,6 +22,9 @@ pub(crate) struct Pencil {
     row: Vec<usize>,
     stiffness: Vec<f64>,
     mass: Vec<f64>,
+    /// The entries of M alone, (row, value) column by column: a lumped mass is a diagonal.
+    mass_start: Vec<usize>,
+    mass_entry: Vec<(usize, f64)>,
     symbolic: SymbolicCholesky<usize>,
 }
 
@@ -86,12 +89,27 @@ impl Pencil {
             size,
             cause: format!("{e:?}"),
         })?;
+        let mut mass_start = vec![0];
+        let mut mass_entry = Vec::new();
+        for j in 0..size {
+            let range = column_start[j]..column_start[j + 1];
+            mass_entry.extend(
+                row[range.clone()]
+                    .iter()
+                    .copied()
+                    .zip(m[range].iter().copied())
+                    .filter(|e| e.1 != 0.0),
+            );
+            mass_start.push(mass_entry.len());
+        }
         Ok(Self {
             size,
             column_start,
             row,
             stiffness: k,
             mass: m,
+            mass_start,
+            mass_entry,
             symbolic,
         })
     }
@@ -147,12 +165,17 @@ impl Pencil {
 
     /// K x.
     pub fn stiffness_times(&self, x: &[f64], y: &mut [f64]) {
-        self.times(&self.stiffness, x, y);
+        self.times(|j| self.column(&self.stiffness, j), x, y);
     }
 
     /// M x.
     pub fn mass_times(&self, x: &[f64], y: &mut [f64]) {
-        self.times(&self.mass, x, y);
+        let entries = |j: usize| {
+            self.mass_entry[self.mass_start[j]..self.mass_start[j + 1]]
+                .iter()
+                .copied()
+        };
+        self.times(entries, x, y);
     }
 
     /// Rows and values of the lower triangle in column `j`.
@@ -164,14 +187,14 @@ impl Pencil {
             .zip(values[range].iter().copied())
     }
 
-    fn times(&self, values: &[f64], x: &[f64], y: &mut [f64]) {
+    /// The symmetric matrix whose lower triangle has the columns `column`, times x.
+    fn times<C: Iterator<Item = (usize, f64)>>(&self, column: impl Fn(usize) -> C, x: &[f64], y: &mut [f64]) {
         y.fill(0.0);
         for j in 0..self.size {
             let mut sum = 0.0;
-            let xj = x[j];
-            for (i, v) in self.column(values, j) {
+            for (i, v) in column(j) {
                 if i != j {
-                    y[i] += v * xj;
+                    y[i] += v * x[j];
                 }
                 sum += v * x[i];
             }

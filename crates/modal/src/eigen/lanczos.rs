@@ -144,16 +144,17 @@ impl<'a> Basis<'a> {
         let columns = w.len() / n;
         let before = self.used;
         let mut r = Mat::<f64>::zeros(columns, columns);
-        let mut product = vec![0.0; n];
+        // M times the columns that this call has appended.
+        let mut weighed: Vec<Vec<f64>> = Vec::with_capacity(columns);
         for c in 0..columns {
             let mut v = w[c * n..(c + 1) * n].to_vec();
             for _ in 0..2 {
-                for p in before..self.used {
-                    self.pencil.mass_times(&v, &mut product);
-                    let col = self.q.col(p);
-                    let h: f64 = col.iter().zip(&product).map(|(a, b)| a * b).sum();
-                    v.iter_mut().zip(col.iter()).for_each(|(x, q)| *x -= h * q);
-                    r[(p - before, c)] += h;
+                for (p, mq) in weighed.iter().enumerate() {
+                    let h: f64 = v.iter().zip(mq).map(|(a, b)| a * b).sum();
+                    v.iter_mut()
+                        .zip(self.q.col(before + p).iter())
+                        .for_each(|(x, q)| *x -= h * q);
+                    r[(p, c)] += h;
                 }
             }
             let mut left = norm(self.pencil, &v);
@@ -169,22 +170,19 @@ impl<'a> Basis<'a> {
                 if left.is_nan() || left <= DEPENDENT * start || start == 0.0 {
                     continue;
                 }
-                self.project_out_scaled(&mut v, left);
-                left = 1.0;
+                // What is left is small against its start: clean it once more at norm one.
+                v.iter_mut().for_each(|x| *x /= left);
+                self.project_out(&mut v);
+                left = norm(self.pencil, &v);
             }
-            let mut col = self.q.col_mut(self.used);
-            for (i, value) in v.iter().enumerate() {
-                col[i] = value / left;
-            }
+            v.iter_mut().for_each(|x| *x /= left);
+            self.q.col_mut(self.used).iter_mut().zip(&v).for_each(|(q, x)| *q = *x);
+            let mut mv = vec![0.0; n];
+            self.pencil.mass_times(&v, &mut mv);
+            weighed.push(mv);
             self.used += 1;
         }
         Ok((self.used - before, r))
-    }
-
-    /// Scales a nearly dependent vector to norm one and cleans it once more.
-    fn project_out_scaled(&self, v: &mut [f64], norm: f64) {
-        v.iter_mut().for_each(|x| *x /= norm);
-        self.project_out(v);
     }
 
     /// One step: operates on columns `from..used`, fills T, appends the next block.
