@@ -1,12 +1,10 @@
 //! Influence coefficients: from downwash to pressures at one Mach number and reduced frequency.
 
-use faer::dyn_stack::{MemBuffer, MemStack};
-use faer::linalg::lu::partial_pivoting::{factor, solve};
-use faer::perm::PermRef;
-use faer::{Conj, Par, c64};
+use faer::{Par, c64};
 
 use crate::kernel::{Kernel, downwash};
 use crate::lattice::{Finding, Lattice, Severity};
+use crate::lu::Lu;
 use crate::matrix::ComplexMatrix;
 
 /// Why pressures could not be found.
@@ -146,43 +144,20 @@ impl Aerodynamics {
 pub struct FactoredDownwash {
     mach: f64,
     k: f64,
-    factors: ComplexMatrix,
-    forward: Vec<usize>,
-    inverse: Vec<usize>,
-    parallelism: Par,
+    lu: Lu<c64>,
 }
 
 impl FactoredDownwash {
     /// LU with partial pivoting, in place.
-    pub(crate) fn new(mut matrix: ComplexMatrix, mach: f64, k: f64, parallelism: Par) -> Result<Self, AicError> {
+    pub(crate) fn new(matrix: ComplexMatrix, mach: f64, k: f64, parallelism: Par) -> Result<Self, AicError> {
         let n = matrix.rows();
-        let (mut forward, mut inverse) = (vec![0_usize; n], vec![0_usize; n]);
-        let mut memory = MemBuffer::new(factor::lu_in_place_scratch::<usize, c64>(
-            n,
-            n,
-            parallelism,
-            Default::default(),
-        ));
-        factor::lu_in_place(
-            matrix.view_mut(),
-            &mut forward,
-            &mut inverse,
-            parallelism,
-            MemStack::new(&mut memory),
-            Default::default(),
-        );
-        // faer divides by a zero pivot without a word; the product of everything after is not finite then.
-        if !matrix.is_finite() || (0..n).any(|i| matrix[(i, i)] == c64::new(0.0, 0.0)) {
+        let lu = Lu::new(n, matrix.into_data(), parallelism);
+        // faer divides by a zero pivot without a word; what follows is not finite then.
+        let broken = |z: &c64| !(z.re.is_finite() && z.im.is_finite());
+        if lu.factors().iter().any(broken) || lu.diagonal().any(|z| *z == c64::new(0.0, 0.0)) {
             return Err(AicError::Singular { mach, k });
         }
-        Ok(Self {
-            mach,
-            k,
-            factors: matrix,
-            forward,
-            inverse,
-            parallelism,
-        })
+        Ok(Self { mach, k, lu })
     }
 
     /// Mach number of the condition.
@@ -200,7 +175,7 @@ impl FactoredDownwash {
     /// # Errors
     /// Wrong number of rows; a result that is not finite.
     pub fn solve_in_place(&self, downwash: &mut ComplexMatrix) -> Result<(), AicError> {
-        let n = self.factors.rows();
+        let n = self.lu.n();
         if downwash.rows() != n {
             return Err(AicError::Size {
                 what: "rows of the downwash",
@@ -208,22 +183,7 @@ impl FactoredDownwash {
                 got: downwash.rows(),
             });
         }
-        let columns = downwash.columns();
-        let mut memory = MemBuffer::new(solve::solve_in_place_scratch::<usize, c64>(
-            n,
-            columns,
-            self.parallelism,
-        ));
-        let permutation = PermRef::new_checked(&self.forward, &self.inverse, n);
-        solve::solve_in_place_with_conj(
-            self.factors.view(),
-            self.factors.view(),
-            permutation,
-            Conj::No,
-            downwash.view_mut(),
-            self.parallelism,
-            MemStack::new(&mut memory),
-        );
+        self.lu.solve_in_place(downwash.view_mut());
         if downwash.is_finite() {
             Ok(())
         } else {
@@ -239,7 +199,7 @@ impl FactoredDownwash {
     /// # Errors
     /// A result that is not finite.
     pub fn influence(&self) -> Result<ComplexMatrix, AicError> {
-        let n = self.factors.rows();
+        let n = self.lu.n();
         let mut identity = ComplexMatrix::zeros(n, n);
         for i in 0..n {
             identity[(i, i)] = c64::new(1.0, 0.0);

@@ -15,12 +15,40 @@
 //! # Way through
 //! [`lattice::Surface`] -> [`lattice::Lattice`] -> ([`spline`] -> [`motion::BoxMotion`]) -> [`gaf::generalized_forces`] ->
 //! [`gaf::GeneralizedForceTable`]. [`aic::Aerodynamics`] solves for pressures or gives the AIC itself; [`store`] keeps it.
+//!
+//! ```
+//! use dip_dlm::aic::Aerodynamics;
+//! use dip_dlm::gaf::{Interpolation, PointRule, generalized_forces};
+//! use dip_dlm::kernel::Kernel;
+//! use dip_dlm::lattice::{Lattice, PlaneSymmetry, Surface};
+//! use dip_dlm::motion::{BoxMotion, RigidMotion};
+//!
+//! // A half wing, 1 m chord, 4 m half span, 8 x 12 boxes, symmetric about y = 0; semichord 0.5 m.
+//! let wing = Surface::trapezoid("wing", ([0.0, 0.0, 0.0], 1.0), ([0.0, 4.0, 0.0], 1.0), 8, 12);
+//! let lattice = Lattice::new(vec![wing], PlaneSymmetry::Symmetric)?;
+//! let model = Aerodynamics::new(lattice, Kernel::QUARTIC, 0.5)?;
+//! for finding in model.check(0.6, 0.5) {
+//!     println!("{:?}: {}", finding.severity, finding.message);
+//! }
+//! // Modes: up, and nose up about the quarter chord.
+//! let mut modes = BoxMotion::empty(model.lattice().n_boxes());
+//! let up = RigidMotion { translation: [0.0, 0.0, 1.0], ..RigidMotion::default() };
+//! let pitch = RigidMotion { rotation: [0.0, 1.0, 0.0], centre: [0.25, 0.0, 0.0], ..RigidMotion::default() };
+//! modes.push_rigid(model.lattice(), PointRule::ControlPoint, &up);
+//! modes.push_rigid(model.lattice(), PointRule::ControlPoint, &pitch);
+//! let table = generalized_forces(&model, &modes, &[0.6], &[0.0, 0.1, 0.3, 0.5])?;
+//! let q = table.at_mach(0.6, Interpolation::Spline)?.at(0.2)?;
+//! // Lift per radian of pitch over dynamic pressure and the half wing's 4 m^2: below the two-dimensional 2 pi / beta.
+//! assert!(q[(0, 1)].re / 4.0 > 4.0 && q[(0, 1)].re / 4.0 < 7.85);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 pub mod aic;
 pub mod gaf;
 mod hash;
 pub mod kernel;
 pub mod lattice;
+mod lu;
 mod matrix;
 pub mod motion;
 pub mod spline;

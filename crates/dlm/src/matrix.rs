@@ -1,7 +1,8 @@
 //! Dense complex matrices, stored by columns without padding, so that they can be written to a file as they are and
 //! handed to faer without a copy.
 
-use faer::{MatMut, MatRef, c64};
+use faer::linalg::matmul::matmul;
+use faer::{Accum, MatMut, MatRef, Par, c64};
 
 /// A dense complex matrix, column-major without padding.
 #[derive(Clone, Debug, PartialEq)]
@@ -57,6 +58,11 @@ impl ComplexMatrix {
         &mut self.data
     }
 
+    /// The values by columns, taken out.
+    pub fn into_data(self) -> Vec<c64> {
+        self.data
+    }
+
     /// One column.
     pub fn column(&self, j: usize) -> &[c64] {
         &self.data[j * self.rows..(j + 1) * self.rows]
@@ -89,8 +95,18 @@ impl ComplexMatrix {
     #[must_use]
     pub fn times(&self, right: &Self) -> Self {
         assert_eq!(self.columns, right.rows, "inner sizes of a product");
-        let product = self.view() * right.view();
-        Self::from_fn(self.rows, right.columns, |i, j| product[(i, j)])
+        let mut product = Self::zeros(self.rows, right.columns);
+        let one = c64::new(1.0, 0.0);
+        // One thread: the result may not depend on how many there are.
+        matmul(
+            product.view_mut(),
+            Accum::Replace,
+            self.view(),
+            right.view(),
+            one,
+            Par::Seq,
+        );
+        product
     }
 }
 

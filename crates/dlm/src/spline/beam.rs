@@ -215,9 +215,23 @@ impl Beam {
             (false, true) => measure(loads[j], free_motion(i - m, loads[j].2)),
             (false, false) => 0.0,
         });
+        // The beam's free motions need no forces.
+        let exact = (0..free)
+            .map(|kind| {
+                let mut coefficients = vec![0.0; m + free];
+                coefficients[m + kind] = 1.0;
+                (
+                    loads
+                        .iter()
+                        .map(|&load| measure(load, free_motion(kind, load.2)))
+                        .collect(),
+                    coefficients,
+                )
+            })
+            .collect();
         let advice = "too many rigidly attached freedoms at one station of the beam; give DZ, DTHX or DTHY a value, or \
                       remove nodes";
-        let coefficients = dense::coefficients(spline, &a, m, advice)?;
+        let coefficients = dense::coefficients(spline, &a, m, exact, advice)?;
         Ok(Self {
             inputs,
             loads,

@@ -44,12 +44,14 @@ pub enum SplineError {
         spline: usize,
     },
     /// The interpolation matrix is singular.
-    #[error("spline {spline}: the interpolation matrix is singular (pivot ratio {pivot_ratio:.1e}): {advice}")]
+    #[error(
+        "spline {spline}: the interpolation matrix is singular (reciprocal condition {reciprocal_condition:.1e}): {advice}"
+    )]
     Singular {
         /// Position in the list of splines.
         spline: usize,
-        /// Smallest over largest pivot.
-        pivot_ratio: f64,
+        /// Reciprocal condition number.
+        reciprocal_condition: f64,
         /// What to do.
         advice: &'static str,
     },

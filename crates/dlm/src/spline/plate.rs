@@ -66,8 +66,16 @@ impl Radial {
             (false, true) => polynomial(j, i),
             (false, false) => 0.0,
         });
+        // Constant and linear fields need no forces.
+        let exact = (n..size)
+            .map(|column| {
+                let mut coefficients = vec![0.0; size];
+                coefficients[column] = 1.0;
+                ((0..n).map(|row| polynomial(row, column)).collect(), coefficients)
+            })
+            .collect();
         let advice = "nodes lie too close to one line or to each other; remove some or add nodes off the line";
-        let coefficients = dense::coefficients(spline, &a, n, advice)?;
+        let coefficients = dense::coefficients(spline, &a, n, exact, advice)?;
         Ok(Self {
             nodes,
             linear: directions.to_vec(),
