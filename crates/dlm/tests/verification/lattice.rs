@@ -276,3 +276,61 @@ fn close_above() {
     assert_eq!(findings(0.1, 0.3), vec![]);
     assert_eq!(findings(1.5, 0.01), vec![]);
 }
+
+/// Random pairs of surfaces, many of them degenerate on purpose: nothing panics, and what passes the checks gives finite
+/// coefficients.
+#[test]
+fn random_lattices() {
+    let mut state = 2026_u64;
+    let mut next = |choices: &[f64]| {
+        state = state
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1_442_695_040_888_963_407);
+        choices[(state >> 33) as usize % choices.len()]
+    };
+    let places = [0.0, 0.25, 0.5, 1.0, 1.0, -1.0, 2.0, 1e-3, 1.0 / 3.0, 1e-9];
+    let (mut solved, mut refused) = (0, 0);
+    for _ in 0..3000 {
+        let mut surface = |name: &str| {
+            let mut p = || [next(&places), next(&places), next(&places)];
+            let (a, b) = (p(), p());
+            let (c1, c2) = (next(&places), next(&places));
+            let mut s = Surface::trapezoid(
+                name,
+                (a, c1),
+                (b, c2),
+                next(&[1.0, 2.0, 3.0]) as usize,
+                next(&[1.0, 2.0, 4.0]) as usize,
+            );
+            s.interference_group = next(&[1.0, 1.0, 1.0, 2.0]) as u32;
+            s
+        };
+        let surfaces = vec![surface("one"), surface("two")];
+        let symmetry = [
+            PlaneSymmetry::None,
+            PlaneSymmetry::Symmetric,
+            PlaneSymmetry::Antisymmetric,
+        ][next(&[0.0, 1.0, 2.0]) as usize];
+        let Ok(lattice) = Lattice::new(surfaces.clone(), symmetry) else {
+            refused += 1;
+            continue;
+        };
+        if lattice
+            .check(Kernel::QUARTIC, 0.5, 0.5, 1.0)
+            .iter()
+            .any(|f| f.severity == Severity::Error)
+        {
+            refused += 1;
+            continue;
+        }
+        let mach = next(&[0.0, 0.5, 0.95]);
+        for kernel in [Kernel::NASTRAN, Kernel::QUARTIC] {
+            for d in dip_dlm::kernel::downwash(&lattice, kernel, mach, &[0.0, 0.3, 5.0]) {
+                assert!(d.is_finite(), "{mach} {symmetry:?} {surfaces:?}");
+            }
+        }
+        solved += 1;
+    }
+    println!("{solved} lattices gave finite coefficients, {refused} were refused");
+    assert!(solved > 300 && refused > 300);
+}
