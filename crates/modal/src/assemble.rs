@@ -9,7 +9,7 @@ use sprs::{CsMat, TriMat};
 
 use crate::bar;
 use crate::dof::DOFS_PER_NODE;
-use crate::element::{DirectTerm, NodeDof, ScalarElement};
+use crate::element::{DirectTerm, ScalarElement};
 use crate::error::ModelError;
 use crate::lumped::{general_stiffness, node_mass};
 use crate::model::{Model, NodeIndex};
@@ -69,7 +69,7 @@ pub(crate) fn assemble(model: &Model, index: &NodeIndex) -> Result<NodeMatrices,
     }
     for mass in &model.masses {
         let (node, matrix) = node_mass(mass)?;
-        let node = index.find(node, || "a concentrated mass".to_owned())?;
+        let node = index.find_grid(node, || "a concentrated mass".to_owned())?;
         out.add(
             &[node],
             &DMatrix::from_fn(6, 6, |i, j| matrix[(i, j)]),
@@ -85,7 +85,7 @@ pub(crate) fn assemble(model: &Model, index: &NodeIndex) -> Result<NodeMatrices,
             .dofs
             .iter()
             .chain(&element.rigid_dofs)
-            .map(|d| place(index, *d, || format!("general element {}", element.id)))
+            .map(|d| index.find_dof(*d, || format!("general element {}", element.id)))
             .collect::<Result<Vec<_>, _>>()?;
         for (i, &row) in places.iter().enumerate() {
             for (j, &column) in places.iter().enumerate() {
@@ -138,7 +138,7 @@ fn shell_matrices(model: &Model, index: &NodeIndex, s: &crate::Shell) -> Result<
         .nodes
         .as_slice()
         .iter()
-        .map(|&n| index.find(n, name))
+        .map(|&n| index.find_grid(n, name))
         .collect::<Result<Vec<_>, _>>()?;
     let section = model
         .shell_sections
@@ -158,7 +158,7 @@ fn bar_matrices(model: &Model, index: &NodeIndex, b: &crate::Bar) -> Result<Plac
     let nodes = b
         .nodes
         .iter()
-        .map(|&n| index.find(n, name))
+        .map(|&n| index.find_grid(n, name))
         .collect::<Result<Vec<_>, _>>()?;
     let section = model
         .bar_sections
@@ -171,11 +171,6 @@ fn bar_matrices(model: &Model, index: &NodeIndex, b: &crate::Bar) -> Result<Plac
     let points = [model.nodes[nodes[0]].position, model.nodes[nodes[1]].position];
     let matrices = bar::matrices(b, section, &points, &model.settings)?;
     Ok((nodes, matrices))
-}
-
-/// Place 6 x node + degree of freedom; `name` says who asks.
-pub(crate) fn place(index: &NodeIndex, at: NodeDof, name: impl Fn() -> String) -> Result<usize, ModelError> {
-    Ok(DOFS_PER_NODE * index.find(at.node, name)? + at.dof.index())
 }
 
 fn add_term(m: &mut TriMat<f64>, row: usize, column: usize, value: f64) {
@@ -196,8 +191,8 @@ fn add_direct(m: &mut TriMat<f64>, index: &NodeIndex, terms: &[DirectTerm], name
             });
         }
         let (row, column) = (
-            place(index, t.row, || name.to_owned())?,
-            place(index, t.column, || name.to_owned())?,
+            index.find_dof(t.row, || name.to_owned())?,
+            index.find_dof(t.column, || name.to_owned())?,
         );
         add_term(m, row, column, t.value);
     }
@@ -261,10 +256,10 @@ impl Triplets<'_> {
                     got: format!("{}", e.value),
                 });
             }
-            let (a, value) = (place(index, e.a, name)?, e.value * factor);
+            let (a, value) = (index.find_dof(e.a, name)?, e.value * factor);
             add_term(target, a, a, value);
             if let Some(b) = e.b {
-                let b = place(index, b, name)?;
+                let b = index.find_dof(b, name)?;
                 add_term(target, b, b, value);
                 add_term(target, a, b, -value);
                 add_term(target, b, a, -value);

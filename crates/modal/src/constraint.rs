@@ -45,7 +45,7 @@ pub(crate) fn dependences(model: &Model, index: &NodeIndex) -> Result<Vec<Depend
         if *factor == 0.0 || equation.terms.iter().any(|t| !t.1.is_finite()) {
             return Err(bad("the first coefficient must not be zero and all must be finite"));
         }
-        let at = |t: &crate::NodeDof| Ok(DOFS_PER_NODE * index.find(t.node, place)? + t.dof.index());
+        let at = |t: &crate::NodeDof| index.find_dof(*t, place);
         let on = rest
             .iter()
             .filter(|(_, c)| *c != 0.0)
@@ -68,7 +68,7 @@ fn expand(
 ) -> Result<Vec<(usize, Dof)>, ModelError> {
     let mut out = Vec::new();
     for &(node, dofs) in sets {
-        let node = index.find(node, place)?;
+        let node = index.find_grid(node, place)?;
         out.extend(dofs.iter().map(|d| (node, d)));
     }
     Ok(out)
@@ -168,7 +168,7 @@ fn average(
         place: place(),
         problem,
     };
-    let reference = index.find(element.reference.0, place)?;
+    let reference = index.find_grid(element.reference.0, place)?;
     let origin = model.nodes[reference].position;
     let mut lead: Vec<((usize, Dof), f64)> = Vec::new();
     for (weight, dofs, nodes) in &element.terms {
@@ -176,7 +176,7 @@ fn average(
             return Err(bad(format!("a weight must be positive, got {weight:e}")));
         }
         for &n in nodes {
-            let n = index.find(n, place)?;
+            let n = index.find_grid(n, place)?;
             lead.extend(dofs.iter().map(|d| ((n, d), *weight)));
         }
     }

@@ -20,6 +20,16 @@ pub enum ModelError {
         /// The number that was not found.
         node: u32,
     },
+    /// An element that needs a place in space hangs on a scalar point.
+    #[error(
+        "{place}: node {node} is a scalar point, which has one degree of freedom (T1) and no place; use a grid node, or T1"
+    )]
+    ScalarPoint {
+        /// The element, constraint or load.
+        place: String,
+        /// The scalar point.
+        node: u32,
+    },
     /// An element refers to a section that does not exist.
     #[error("{place}: refers to section {index} of {count}; add the section or correct the reference")]
     UnknownSection {

@@ -2,9 +2,10 @@
 
 use std::collections::HashMap;
 
-use crate::dof::DofSet;
+use crate::dof::{DOFS_PER_NODE, Dof, DofSet};
 use crate::element::{
-    AverageElement, Bar, DirectTerm, Equation, GeneralElement, Node, NodeMass, RigidElement, ScalarElement, Shell,
+    AverageElement, Bar, DirectTerm, Equation, GeneralElement, Node, NodeDof, NodeMass, RigidElement, ScalarElement,
+    Shell,
 };
 use crate::error::ModelError;
 use crate::section::{BarSection, ShellSection};
@@ -97,7 +98,8 @@ impl Default for Settings {
 /// From node numbers to places in [`Model::nodes`].
 #[derive(Debug, Clone)]
 pub struct NodeIndex {
-    place: HashMap<u32, usize>,
+    /// Place, and whether it is a scalar point.
+    place: HashMap<u32, (usize, bool)>,
 }
 
 impl NodeIndex {
@@ -106,10 +108,40 @@ impl NodeIndex {
     /// # Errors
     /// [`ModelError::UnknownNode`].
     pub fn find(&self, id: u32, place: impl FnOnce() -> String) -> Result<usize, ModelError> {
-        self.place.get(&id).copied().ok_or_else(|| ModelError::UnknownNode {
-            place: place(),
-            node: id,
-        })
+        match self.place.get(&id) {
+            Some(&(index, _)) => Ok(index),
+            None => Err(ModelError::UnknownNode {
+                place: place(),
+                node: id,
+            }),
+        }
+    }
+
+    /// As [`NodeIndex::find`] for an element that needs a place in space.
+    ///
+    /// # Errors
+    /// [`ModelError::UnknownNode`], [`ModelError::ScalarPoint`].
+    pub fn find_grid(&self, id: u32, place: impl Fn() -> String) -> Result<usize, ModelError> {
+        match self.place.get(&id) {
+            Some((_, true)) => Err(ModelError::ScalarPoint {
+                place: place(),
+                node: id,
+            }),
+            _ => self.find(id, place),
+        }
+    }
+
+    /// Number of a degree of freedom: 6 x node + degree of freedom.
+    ///
+    /// # Errors
+    /// [`ModelError::UnknownNode`]; [`ModelError::ScalarPoint`] for another than the first of a scalar point.
+    pub(crate) fn find_dof(&self, at: NodeDof, place: impl Fn() -> String) -> Result<usize, ModelError> {
+        let node = if at.dof == Dof::T1 {
+            self.find(at.node, place)?
+        } else {
+            self.find_grid(at.node, place)?
+        };
+        Ok(DOFS_PER_NODE * node + at.dof.index())
     }
 }
 
@@ -122,7 +154,7 @@ impl Model {
     pub fn node_index(&self) -> Result<NodeIndex, ModelError> {
         let mut place = HashMap::with_capacity(self.nodes.len());
         for (index, node) in self.nodes.iter().enumerate() {
-            if place.insert(node.id, index).is_some() {
+            if place.insert(node.id, (index, node.scalar)).is_some() {
                 return Err(ModelError::DuplicateNode { node: node.id });
             }
             if node.position.iter().any(|v| !v.is_finite()) {

@@ -5,7 +5,7 @@ use std::fmt;
 use faer::{Mat, Par};
 use sprs::CsMat;
 
-use crate::assemble::{NodeMatrices, assemble, place};
+use crate::assemble::{NodeMatrices, assemble};
 use crate::dof::{DOFS_PER_NODE, Dof};
 use crate::element::NodeDof;
 use crate::error::ModelError;
@@ -170,7 +170,7 @@ impl System {
     pub fn displacements(&self, loads: &[(NodeDof, f64)]) -> Result<Vec<[f64; DOFS_PER_NODE]>, ModelError> {
         let mut all = vec![0.0; DOFS_PER_NODE * self.nodes.len()];
         for &(at, value) in loads {
-            all[place(&self.index, at, || "a load".to_owned())?] += value;
+            all[self.index.find_dof(at, || "a load".to_owned())?] += value;
         }
         let mut x = self.reduction.gather(&all);
         let none = CsMat::zero((self.size(), self.size()));

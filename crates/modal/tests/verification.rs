@@ -6,8 +6,9 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use dip_modal::{
     AverageElement, BarSection, DirectTerm, Dof, DofSet, Elasticity, Equation, GeneralElement, GeneralMatrix, MassForm,
-    Material, MaterialAxis, Model, ModelError, Modes, ModesRequest, Node, NodeDof, NodeMass, Normalization,
-    RigidElement, ScalarElement, ShellNodes, ShellSection, ShellThickness,
+    Material, MaterialAxis, Model, ModelError, Modes, ModesRequest, Node, NodeDof, NodeMass, Normalization, Ordinates,
+    Planform, PlateWing, RigidElement, RootClamp, ScalarElement, ShellNodes, ShellSection, ShellThickness,
+    ThicknessRule, WingError,
 };
 use nalgebra::{DMatrix, Matrix3, Matrix6, Rotation3, Vector3};
 use support::{Cells, nodes_where, rectangle, simply_support, straight_bar};
@@ -1078,6 +1079,90 @@ fn bad_elements_are_refused_by_number() {
             .iter()
             .all(|q| !q.flipped && (q.aspect - 1.0).abs() < 1e-12)
     );
+}
+
+#[test]
+fn a_scalar_point_has_one_degree_of_freedom_and_no_place() {
+    let mut model = chain(2);
+    model.springs[1].a.dof = Dof::T3;
+    assert!(matches!(model.assemble(), Err(ModelError::ScalarPoint { node: 2, .. })));
+    let mut model = straight_bar(1.0, 2, steel_bar());
+    model.nodes.push(Node::scalar(9));
+    model.bars[0].nodes[1] = 9;
+    assert!(matches!(model.assemble(), Err(ModelError::ScalarPoint { node: 9, .. })));
+}
+
+#[test]
+fn an_average_can_make_others_dependent() {
+    // UM: the reference stays free and carries a spring; a node of the average follows instead.
+    let build = |dependent: Vec<(u32, DofSet)>| {
+        let mut model = Model::default();
+        for (id, x) in [(1, 0.0), (2, 1.0), (3, 0.4)] {
+            model.nodes.push(Node::grid(id, x, 0.0, 0.0));
+            let at = NodeDof::new(id, Dof::T3);
+            model.springs.push(ScalarElement {
+                id,
+                value: 10.0 * f64::from(id),
+                a: at,
+                b: None,
+            });
+            model.supports.push((id, DofSet::parse("12456").unwrap()));
+        }
+        model.averages.push(AverageElement {
+            id: 1,
+            reference: (3, DofSet::from(Dof::T3)),
+            terms: vec![
+                (1.0, DofSet::from(Dof::T3), vec![1]),
+                (3.0, DofSet::from(Dof::T3), vec![2]),
+            ],
+            dependent,
+        });
+        model
+            .assemble()
+            .unwrap()
+            .displacements(&[(NodeDof::new(3, Dof::T3), 7.0)])
+            .unwrap()
+    };
+    let (usual, turned) = (build(Vec::new()), build(vec![(2, DofSet::from(Dof::T3))]));
+    for (a, b) in usual.iter().zip(&turned) {
+        assert!((a[2] - b[2]).abs() < 1e-12, "{usual:?} {turned:?}");
+    }
+    // The heave of a rigid rod through both nodes at the reference: 0.6 u1 + 0.4 u2.
+    assert!((usual[2][2] - 0.6 * usual[0][2] - 0.4 * usual[1][2]).abs() < 1e-12);
+}
+
+#[test]
+fn a_plate_wing_has_the_volume_of_its_section_and_only_the_clamps_asked_for() {
+    let half = [[0.0, 0.0], [0.3, 0.06], [1.0, 0.0]];
+    let mut wing = PlateWing {
+        planform: Planform {
+            root_leading: Vector3::zeros(),
+            root_trailing: Vector3::new(1.0, 0.0, 0.0),
+            tip_leading: Vector3::new(0.8, 2.0, 0.0),
+            tip_trailing: Vector3::new(1.2, 2.0, 0.0),
+        },
+        chordwise_nodes: 11,
+        spanwise_nodes: 5,
+        section: Ordinates::symmetric(&half).unwrap(),
+        rule: ThicknessRule::ExactSection,
+        material: Material::isotropic(1e9, 0.3, 100.0),
+        axis: Vector3::y(),
+        root: RootClamp::Nodes(vec![3, 4, 5]),
+    };
+    let model = wing.model().unwrap();
+    assert_eq!(model.supports.iter().map(|s| s.0).collect::<Vec<_>>(), [3, 4, 5]);
+    // Area of the section 0.06 chord^2; integral of chord^2 along the span 2 (1 + 0.4 + 0.16) / 3. The kink of the
+    // section is a node, so two points a side integrate exactly.
+    let volume = 0.06 * 2.0 * (1.0 + 0.4 + 0.16) / 3.0;
+    assert!(relative(model.assemble().unwrap().mass_properties().mass, 100.0 * volume) < 1e-12);
+    wing.root = RootClamp::Nodes(vec![12]);
+    assert!(matches!(wing.model(), Err(WingError::RootNode { node: 12, last: 11 })));
+    wing.spanwise_nodes = 1;
+    assert!(matches!(wing.model(), Err(WingError::TooFewNodes { .. })));
+    assert!(matches!(
+        Ordinates::symmetric(&[[0.0, 0.1], [0.5, 0.1], [0.5, 0.1]]),
+        Err(WingError::Ordinates { point: 3, .. })
+    ));
 }
 
 #[test]

@@ -193,6 +193,7 @@ impl System {
     fn pairs_reduced(&self, request: &ModesRequest) -> Result<Vec<Pair>, EigenError> {
         let condensed = self.condense()?;
         let mut pairs = dense::solve(&condensed.stiffness, &condensed.mass, request.shift)?;
+        pairs.truncate(request.count);
         let n = self.size();
         for pair in &mut pairs {
             pair.shape = (0..n)
