@@ -179,9 +179,10 @@ pub(crate) fn find_crossings(
         {
             match solve_crossing(equation, path, branch.mode, before, station, settings)? {
                 Some(crossing) => crossings.push(crossing),
-                None => warnings.push(Warning::Unresolved {
+                None => warnings.push(Warning::LowConfidence {
                     mode: branch.mode,
-                    between: (before.t, station.t),
+                    parameter: station.t,
+                    confidence: 0.0,
                 }),
             }
         }

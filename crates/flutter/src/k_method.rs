@@ -69,9 +69,10 @@ pub fn solve_k(
             match k_crossing(&mut equation, mode, &pair[0], &pair[1], density_kg_m3, settings)? {
                 KCrossing::Found(crossing) => crossings.push(*crossing),
                 KCrossing::Unresolved => {
-                    warnings.push(Warning::Unresolved {
+                    warnings.push(Warning::LowConfidence {
                         mode,
-                        between: (pair[0].root.k, pair[1].root.k),
+                        parameter: pair[1].root.k,
+                        confidence: 0.0,
                     });
                 }
                 KCrossing::None => {}

@@ -187,7 +187,9 @@ pub enum Warning {
         /// Greatest k met.
         k_maximum: f64,
     },
-    /// The identity of a mode is uncertain between two conditions.
+    /// The identity of a mode is uncertain next to this condition. Zero confidence: its damping changes sign from the condition
+    /// before without a root at zero damping between, so the curve jumped from one root to another and no crossing is given;
+    /// take closer conditions or more reduced frequencies.
     LowConfidence {
         /// Mode number.
         mode: usize,
@@ -209,14 +211,6 @@ pub enum Warning {
         mode: usize,
         /// Where it was found.
         parameter: f64,
-    },
-    /// The damping of a mode changes sign between two conditions, but no root at zero damping lies between: the curve jumped
-    /// there from one root to another. Take closer conditions or more reduced frequencies.
-    Unresolved {
-        /// Mode number.
-        mode: usize,
-        /// The two sweep parameters.
-        between: (f64, f64),
     },
     /// An unstable root that appears at strong damping without ever crossing zero: a product of the method's expansion of Q
     /// for damped motion, left out of the curves.
