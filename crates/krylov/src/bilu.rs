@@ -5,23 +5,18 @@
 //!
 //! `A ~ (D + L) D^-1 (D + U)`, `D_i = A_ii - sum_l L_il D_l^-1 U_li` over the lower neighbours l of i
 //!
-//! (Meijerink and van der Vorst 1977, Math. Comp. 31, in blocks). Kept are `D^-1`, `D^-1 L` and `D^-1 U`: a solve is
-//! then one block product a neighbour, and one with `D^-1`.
+//! (Meijerink and van der Vorst 1977, Math. Comp. 31, in blocks). Only `D^-1` is kept; L and U are the matrix's own.
 
 use crate::dense::{SPARE, invert, multiply_add, multiply_subtract, product, zero_lanes};
 use crate::{BLOCK, BlockMatrix, KrylovError, Storage, VARIABLES};
 
-/// Factors of a [`BlockMatrix`]. Couplings to other structured blocks are not in it ("decoupled" BILU).
+/// Pivots of the incomplete factorization of a [`BlockMatrix`], to be used together with it. Couplings to other
+/// structured blocks are not in it ("decoupled" BILU).
 #[derive(Clone, Debug, PartialEq)]
 pub struct Bilu<S> {
     cells: [usize; 3],
-    directions: usize,
-    /// `D^-1`, `[cell][25]`.
+    /// `D^-1`, `[cell][25]` and spare entries.
     inverse: Vec<S>,
-    /// `D^-1 L`, `[cell][direction][25]`.
-    lower: Vec<S>,
-    /// `D^-1 U`, `[cell][direction][25]`.
-    upper: Vec<S>,
 }
 
 type Dense = [f64; BLOCK + SPARE];
@@ -43,17 +38,10 @@ fn narrow<S: Storage>(block: &Dense, to: &mut [S]) {
 }
 
 impl<S: Storage> Bilu<S> {
-    /// Room for the factors of a matrix of `cells` = [ni, nj, nk].
+    /// Room for the pivots of a matrix of `cells` = [ni, nj, nk].
     #[must_use]
     pub fn zeros(cells: [usize; 3]) -> Self {
-        let empty = BlockMatrix::<S>::zeros(cells);
-        Self {
-            cells,
-            directions: empty.directions(),
-            inverse: empty.diagonal,
-            lower: empty.lower,
-            upper: empty.upper,
-        }
+        Self { cells, inverse: vec![S::default(); cells.iter().product::<usize>() * BLOCK + SPARE] }
     }
 
     /// Cells along i, j, k.
@@ -62,12 +50,12 @@ impl<S: Storage> Bilu<S> {
         self.cells
     }
 
-    /// Factors `a`, which may be kept in another precision. Arithmetic is double; factors are rounded when stored.
+    /// Factors `a`. Arithmetic is double; pivots are rounded when stored.
     ///
     /// # Errors
     /// [`KrylovError::SingularBlock`] names the first cell whose pivot block is singular or not finite;
     /// [`KrylovError::Length`] if the sizes differ.
-    pub fn factor<M: Storage>(&mut self, a: &BlockMatrix<M>) -> Result<(), KrylovError> {
+    pub fn factor(&mut self, a: &BlockMatrix<S>) -> Result<(), KrylovError> {
         if a.cells() != self.cells {
             return Err(KrylovError::Length {
                 what: "cells of the matrix to be factored",
@@ -75,162 +63,125 @@ impl<S: Storage> Bilu<S> {
                 got: a.cell_count(),
             });
         }
-        for (to, from) in
-            [(&mut self.inverse, &a.diagonal), (&mut self.lower, &a.lower), (&mut self.upper, &a.upper)]
-        {
-            for (t, f) in to.iter_mut().zip(from) {
-                *t = S::from_f64(f.to_f64());
-            }
-        }
-        self.eliminate()
-    }
-
-    /// Factors `a` in the memory that it lies in; [`Bilu::into_matrix`] gives the memory back for the next matrix.
-    ///
-    /// # Errors
-    /// As [`Bilu::factor`]; the matrix is lost.
-    pub fn factor_in_place(a: BlockMatrix<S>) -> Result<Self, KrylovError> {
-        let mut this =
-            Self { cells: a.cells(), directions: a.directions(), inverse: a.diagonal, lower: a.lower, upper: a.upper };
-        this.eliminate()?;
-        Ok(this)
-    }
-
-    /// Turns the matrix in the arrays into its factors, cell after cell.
-    fn eliminate(&mut self) -> Result<(), KrylovError> {
         let [ni, nj, nk] = self.cells;
-        let nd = self.directions;
+        let nd = a.directions();
         let stride = [1, ni, ni * nj];
-        for cell in 0..ni * nj * nk {
-            let here = [cell % ni, (cell / ni) % nj, cell / (ni * nj)];
-            let mut d = widen(&self.inverse[cell * BLOCK..]);
-            let mut lower = [[0.0; BLOCK + SPARE]; 3];
-            for dir in 0..nd {
-                if here[dir] > 0 {
-                    lower[dir] = widen(&self.lower[(cell * nd + dir) * BLOCK..]);
-                    let below = widen(&self.upper[((cell - stride[dir]) * nd + dir) * BLOCK..]);
-                    for (x, f) in d.iter_mut().zip(&product(&lower[dir], &below)) {
-                        *x -= f;
+        let mut cell = 0;
+        for k in 0..nk {
+            for j in 0..nj {
+                for i in 0..ni {
+                    let here = [i, j, k];
+                    let mut d = widen(&a.diagonal[cell * BLOCK..]);
+                    for dir in 0..nd {
+                        if here[dir] > 0 {
+                            let below = cell - stride[dir];
+                            let lower = widen(&a.lower[(cell * nd + dir) * BLOCK..]);
+                            let upper = widen(&a.upper[(below * nd + dir) * BLOCK..]);
+                            let pivot = widen(&self.inverse[below * BLOCK..]);
+                            for (x, f) in d.iter_mut().zip(&product(&lower, &product(&pivot, &upper))) {
+                                *x -= f;
+                            }
+                        }
                     }
-                }
-            }
-            let inverse = invert(&d).map_err(|pivot| KrylovError::SingularBlock { ijk: here, pivot })?;
-            narrow(&inverse, &mut self.inverse[cell * BLOCK..]);
-            for dir in 0..nd {
-                let b = (cell * nd + dir) * BLOCK;
-                if here[dir] > 0 {
-                    narrow(&product(&inverse, &lower[dir]), &mut self.lower[b..]);
-                }
-                if here[dir] + 1 < self.cells[dir] {
-                    let upper = widen(&self.upper[b..]);
-                    narrow(&product(&inverse, &upper), &mut self.upper[b..]);
+                    let inverse = invert(&d).map_err(|pivot| KrylovError::SingularBlock { ijk: here, pivot })?;
+                    narrow(&inverse, &mut self.inverse[cell * BLOCK..]);
+                    cell += 1;
                 }
             }
         }
         Ok(())
     }
 
-    /// The memory of the factors, as a matrix whose entries mean nothing.
-    #[must_use]
-    pub fn into_matrix(self) -> BlockMatrix<S> {
-        BlockMatrix::from_arrays(self.cells, self.directions, self.inverse, self.lower, self.upper)
-    }
-
-    /// `z = ((D + L) D^-1 (D + U))^-1 r`, vectors `[cell][5]`.
+    /// `z = ((D + L) D^-1 (D + U))^-1 r` with the matrix `a` that was factored; vectors `[cell][5]`.
     ///
     /// # Panics
-    /// If a vector is not 5 entries a cell.
-    pub fn solve(&self, r: &[f64], z: &mut [S]) {
-        match self.directions {
-            2 => self.solve_in::<2>(r, z),
-            _ => self.solve_in::<3>(r, z),
+    /// If a vector is not 5 entries a cell, or `a` is of another size.
+    pub fn solve<R: Storage>(&self, a: &BlockMatrix<S>, r: &[R], z: &mut [S]) {
+        match a.directions() {
+            2 => self.solve_in::<2, R>(a, r, z),
+            _ => self.solve_in::<3, R>(a, r, z),
         }
     }
 
-    fn solve_in<const ND: usize>(&self, r: &[f64], z: &mut [S]) {
+    fn solve_in<const ND: usize, R: Storage>(&self, a: &BlockMatrix<S>, r: &[R], z: &mut [S]) {
         const V: usize = VARIABLES;
         let [ni, nj, nk] = self.cells;
         let n = ni * nj * nk;
+        assert_eq!(a.cells(), self.cells, "matrix of the triangular solve");
         assert_eq!(r.len(), n * V, "r of the triangular solve");
         assert_eq!(z.len(), n * V, "z of the triangular solve");
         let stride = [1, ni, ni * nj];
-        // (D + L) y = r, that is y = D^-1 r - (D^-1 L) y. The i-neighbour comes last: it is the one just computed.
+        // (D + L) y = r. The i-neighbour comes last: it is the one just computed.
         let mut cell = 0;
         for k in 0..nk {
             for j in 0..nj {
                 let mut last = zero_lanes::<S>();
                 for i in 0..ni {
-                    let mut rhs = [S::default(); V];
+                    let mut y = zero_lanes::<S>();
                     for v in 0..V {
-                        rhs[v] = S::from_f64(r[cell * V + v]);
+                        y[v] = S::from_f64(r[cell * V + v].to_f64());
                     }
-                    let mut y = multiply_add(&self.inverse[cell * BLOCK..], &rhs, zero_lanes());
                     if ND > 2 && k > 0 {
-                        y = multiply_subtract(&self.lower[(cell * ND + 2) * BLOCK..], &z[(cell - stride[2]) * V..], y);
+                        y = multiply_subtract(&a.lower[(cell * ND + 2) * BLOCK..], &z[(cell - stride[2]) * V..], y);
                     }
                     if j > 0 {
-                        y = multiply_subtract(&self.lower[(cell * ND + 1) * BLOCK..], &z[(cell - stride[1]) * V..], y);
+                        y = multiply_subtract(&a.lower[(cell * ND + 1) * BLOCK..], &z[(cell - stride[1]) * V..], y);
                     }
                     if i > 0 {
-                        y = multiply_subtract(&self.lower[cell * ND * BLOCK..], &last, y);
+                        y = multiply_subtract(&a.lower[cell * ND * BLOCK..], &last, y);
                     }
-                    z[cell * V..(cell + 1) * V].copy_from_slice(&y[..V]);
-                    last = y;
+                    last = multiply_add(&self.inverse[cell * BLOCK..], &y, zero_lanes());
+                    z[cell * V..(cell + 1) * V].copy_from_slice(&last[..V]);
                     cell += 1;
                 }
             }
         }
-        // (I + D^-1 U) z = y.
+        // (D + U) z = D y, that is z = y - D^-1 (U z).
         for k in (0..nk).rev() {
             for j in (0..nj).rev() {
                 let mut last = zero_lanes::<S>();
                 for i in (0..ni).rev() {
                     cell -= 1;
-                    let mut y = zero_lanes::<S>();
-                    y[..V].copy_from_slice(&z[cell * V..(cell + 1) * V]);
+                    let mut sum = zero_lanes::<S>();
                     if ND > 2 && k + 1 < nk {
-                        y = multiply_subtract(&self.upper[(cell * ND + 2) * BLOCK..], &z[(cell + stride[2]) * V..], y);
+                        sum = multiply_add(&a.upper[(cell * ND + 2) * BLOCK..], &z[(cell + stride[2]) * V..], sum);
                     }
                     if j + 1 < nj {
-                        y = multiply_subtract(&self.upper[(cell * ND + 1) * BLOCK..], &z[(cell + stride[1]) * V..], y);
+                        sum = multiply_add(&a.upper[(cell * ND + 1) * BLOCK..], &z[(cell + stride[1]) * V..], sum);
                     }
                     if i + 1 < ni {
-                        y = multiply_subtract(&self.upper[cell * ND * BLOCK..], &last, y);
+                        sum = multiply_add(&a.upper[cell * ND * BLOCK..], &last, sum);
                     }
-                    z[cell * V..(cell + 1) * V].copy_from_slice(&y[..V]);
-                    last = y;
+                    let mut y = zero_lanes::<S>();
+                    y[..V].copy_from_slice(&z[cell * V..(cell + 1) * V]);
+                    last = multiply_subtract(&self.inverse[cell * BLOCK..], &sum, y);
+                    z[cell * V..(cell + 1) * V].copy_from_slice(&last[..V]);
                 }
             }
         }
     }
 
-    /// The blocks of `(D + L) D^-1 (D + U)` on the stencil. BILU(0) reproduces the factored matrix there; what it drops
-    /// lies off the stencil.
+    /// The blocks of `(D + L) D^-1 (D + U)` on the stencil of `a`. BILU(0) reproduces the factored matrix there; what
+    /// it drops lies off the stencil.
     ///
     /// # Errors
     /// [`KrylovError::SingularBlock`] if a stored inverse cannot be inverted back.
-    pub fn reconstruct(&self) -> Result<BlockMatrix<S>, KrylovError> {
-        let mut out = BlockMatrix::zeros(self.cells);
+    pub fn reconstruct(&self, a: &BlockMatrix<S>) -> Result<BlockMatrix<S>, KrylovError> {
+        let mut out = a.clone();
         let [ni, nj, nk] = self.cells;
-        let nd = self.directions;
+        let nd = a.directions();
         let stride = [1, ni, ni * nj];
         for cell in 0..ni * nj * nk {
             let here = [cell % ni, (cell / ni) % nj, cell / (ni * nj)];
-            let d = invert(&widen(&self.inverse[cell * BLOCK..]))
+            let mut diagonal = invert(&widen(&self.inverse[cell * BLOCK..]))
                 .map_err(|pivot| KrylovError::SingularBlock { ijk: here, pivot })?;
-            let mut diagonal = d;
-            for dir in 0..nd {
-                let b = (cell * nd + dir) * BLOCK;
-                if here[dir] > 0 {
-                    let lower = product(&d, &widen(&self.lower[b..]));
-                    let below = widen(&self.upper[((cell - stride[dir]) * nd + dir) * BLOCK..]);
-                    for (x, f) in diagonal.iter_mut().zip(&product(&lower, &below)) {
-                        *x += f;
-                    }
-                    narrow(&lower, &mut out.lower[b..]);
-                }
-                if here[dir] + 1 < self.cells[dir] {
-                    narrow(&product(&d, &widen(&self.upper[b..])), &mut out.upper[b..]);
+            for dir in (0..nd).filter(|d| here[*d] > 0) {
+                let below = cell - stride[dir];
+                let lower = widen(&a.lower[(cell * nd + dir) * BLOCK..]);
+                let upper = widen(&a.upper[(below * nd + dir) * BLOCK..]);
+                let pivot = widen(&self.inverse[below * BLOCK..]);
+                for (x, f) in diagonal.iter_mut().zip(&product(&lower, &product(&pivot, &upper))) {
+                    *x += f;
                 }
             }
             narrow(&diagonal, &mut out.diagonal[cell * BLOCK..]);
@@ -241,6 +192,6 @@ impl<S: Storage> Bilu<S> {
     /// Bytes held.
     #[must_use]
     pub fn bytes(&self) -> usize {
-        size_of::<S>() * (self.inverse.len() + self.lower.len() + self.upper.len())
+        size_of::<S>() * self.inverse.len()
     }
 }

@@ -53,16 +53,6 @@ impl<S: Storage> BlockMatrix<S> {
         }
     }
 
-    pub(crate) fn from_arrays(
-        cells: [usize; 3],
-        directions: usize,
-        diagonal: Vec<S>,
-        lower: Vec<S>,
-        upper: Vec<S>,
-    ) -> Self {
-        Self { cells, directions, diagonal, lower, upper }
-    }
-
     /// Cells along i, j, k.
     #[must_use]
     pub fn cells(&self) -> [usize; 3] {

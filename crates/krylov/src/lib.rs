@@ -16,7 +16,7 @@
 //! let mut factors = Bilu::<f64>::zeros([3, 1, 1]);
 //! factors.factor(&a)?;
 //! let mut z = vec![0.0; 3 * VARIABLES];
-//! factors.solve(&vec![1.0; 3 * VARIABLES], &mut z);
+//! factors.solve(&a, &vec![1.0; 3 * VARIABLES], &mut z);
 //! assert_eq!(z[0], 0.5);
 //! # Ok::<(), dip_krylov::KrylovError>(())
 //! ```
@@ -26,6 +26,7 @@ pub mod block_matrix;
 pub mod dense;
 mod error;
 pub mod gcg;
+pub mod multilevel;
 mod storage;
 pub mod vector;
 
@@ -33,6 +34,7 @@ pub use bilu::Bilu;
 pub use block_matrix::{BlockMatrix, Direction};
 pub use error::KrylovError;
 pub use gcg::{Gcg, GcgOutcome, GcgSettings, LinearOperator, Preconditioner};
+pub use multilevel::{Coupling, LevelShape, Multilevel};
 pub use storage::Storage;
 
 /// Unknowns a cell: density, three velocities, pressure (or energy).

@@ -58,10 +58,10 @@ impl<S: Storage> LinearOperator<S> for Product<'_, S> {
         Ok(())
     }
 }
-struct Factors<'a, S>(&'a Bilu<S>);
+struct Factors<'a, S>(&'a Bilu<S>, &'a BlockMatrix<S>);
 impl<S: Storage> Preconditioner<S> for Factors<'_, S> {
     fn solve(&mut self, r: &[f64], z: &mut [S]) {
-        self.0.solve(r, z);
+        self.0.solve(self.1, r, z);
     }
 }
 
@@ -104,7 +104,7 @@ fn factors_reproduce_the_matrix_on_its_stencil() {
         let a = matrix::<f64>(cells, 4.0);
         let mut f = Bilu::<f64>::zeros(cells);
         f.factor(&a).expect("dominant matrix");
-        let b = f.reconstruct().expect("regular factors");
+        let b = f.reconstruct(&a).expect("regular factors");
         for cell in 0..a.cell_count() {
             for e in 0..BLOCK {
                 assert!((a.diagonal(cell)[e] - b.diagonal(cell)[e]).abs() < 1e-12);
@@ -128,7 +128,7 @@ fn factors_of_a_line_solve_exactly() {
         let mut b = vec![0.0; x.len()];
         a.apply(&x, &mut b);
         let mut z = vec![0.0; x.len()];
-        f.solve(&b, &mut z);
+        f.solve(&a, &b, &mut z);
         for (z, x) in z.iter().zip(&x) {
             assert!((z - x).abs() < 1e-12);
         }
@@ -150,7 +150,7 @@ fn gcg_solves_and_its_residual_is_the_true_one() {
         directions: 12,
     };
     let out = Gcg::new()
-        .solve(&mut Product(&a), &mut Factors(&f), &settings, &mut r, &mut x)
+        .solve(&mut Product(&a), &mut Factors(&f, &a), &settings, &mut r, &mut x)
         .expect("no breakdown");
     assert!(out.converged, "{out:?}");
     let mut ax = vec![0.0; b.len()];
@@ -181,7 +181,7 @@ fn single_precision_factors_and_directions_reach_single_precision_and_restarts_g
         let mut rest = r.clone();
         let mut dx = vec![0.0; b.len()];
         let out = gcg
-            .solve(&mut Product(&a), &mut Factors(&f), &settings, &mut rest, &mut dx)
+            .solve(&mut Product(&a), &mut Factors(&f, &a), &settings, &mut rest, &mut dx)
             .expect("no breakdown");
         assert!(out.converged, "{out:?}");
         vector::add_scaled(&mut x, 1.0, &dx);
@@ -252,7 +252,7 @@ fn a_value_that_is_not_finite_breaks_down_with_a_message() {
     let mut x = vec![0.0; 60];
     let out = Gcg::new().solve(
         &mut Product(&a),
-        &mut Factors(&f),
+        &mut Factors(&f, &a),
         &GcgSettings::default(),
         &mut b,
         &mut x,
@@ -260,7 +260,7 @@ fn a_value_that_is_not_finite_breaks_down_with_a_message() {
     assert!(matches!(out, Err(KrylovError::Breakdown { .. })), "{out:?}");
     let out = Gcg::new().solve(
         &mut Product(&a),
-        &mut Factors(&f),
+        &mut Factors(&f, &a),
         &GcgSettings::default(),
         &mut b,
         &mut x[..55],
@@ -289,7 +289,7 @@ fn results_are_the_same_bits_for_any_number_of_threads() {
                 directions: 4,
             };
             Gcg::new()
-                .solve(&mut Product(&a), &mut Factors(&f), &settings, &mut b, &mut x)
+                .solve(&mut Product(&a), &mut Factors(&f, &a), &settings, &mut b, &mut x)
                 .expect("no breakdown");
             x
         })

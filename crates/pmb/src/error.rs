@@ -67,6 +67,9 @@ pub enum FlowError {
         /// Its value.
         value: f64,
     },
+    /// A step was asked for before its preconditioner was built.
+    #[error("the preconditioner is not built: call `Solver::build` before `Solver::solve`")]
+    NotBuilt,
     /// The linear algebra failed.
     #[error(transparent)]
     Linear(#[from] dip_krylov::KrylovError),

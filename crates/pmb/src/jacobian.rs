@@ -184,6 +184,11 @@ impl<G: Gas> Faces<'_, G> {
         }
     }
 
+    /// True if the matrix has places for neighbours along `d`.
+    fn keeps(&self, d: usize) -> bool {
+        d < self.nd
+    }
+
     /// True if the face on the side of the block is a boundary, not an interface.
     #[inline]
     fn is_boundary(&self, d: usize, at: [usize; 3], last: bool) -> bool {
@@ -194,7 +199,7 @@ impl<G: Gas> Faces<'_, G> {
     }
 
     /// Adds the derivatives of one face to the rows of its two cells. A face on the side of the block adds nothing here
-    /// if it is a boundary (its own derivative is added later), and only to the diagonal if it is an interface.
+    /// if it is a boundary (its own derivative is added later).
     #[inline(always)]
     #[expect(
         clippy::too_many_arguments,
@@ -226,7 +231,7 @@ impl<G: Gas> Faces<'_, G> {
                     *e = *e + S::from_f64(blocks[0][c][r][lane]);
                 }
             }
-            if !last {
+            if !last || self.keeps(d) {
                 let upper = &mut arrays.upper[(cell * self.nd + d) * BLOCK..][..BLOCK];
                 for c in 0..VARIABLES {
                     for r in 0..VARIABLES {
@@ -244,7 +249,7 @@ impl<G: Gas> Faces<'_, G> {
                     *e = *e - S::from_f64(blocks[1][c][r][lane]);
                 }
             }
-            if !first {
+            if !first || self.keeps(d) {
                 let lower = &mut arrays.lower[(cell * self.nd + d) * BLOCK..][..BLOCK];
                 for c in 0..VARIABLES {
                     for r in 0..VARIABLES {

@@ -5,6 +5,8 @@
 
 use dip_grid::{Condition, Face, Metrics, MultiBlock, Window};
 
+use dip_krylov::Coupling;
+
 use crate::error::FlowError;
 
 /// Layers of ghost cells.
@@ -357,6 +359,38 @@ impl Level {
             }
         }
         self.links = links;
+    }
+
+    /// Which cells of other blocks (or of the other end of the same one) the outermost cells touch.
+    #[must_use]
+    pub fn couplings(&self) -> Vec<Coupling> {
+        let mut out = Vec::new();
+        for joint in &self.joints {
+            let there = dip_grid::Interface { a: joint.a, b: joint.b, orientation: joint.orientation, translation: None };
+            for one in [there, there.reversed()] {
+                let (a, b) = (&self.blocks[one.a.block], &self.blocks[one.b.block]);
+                let place = |cells: [usize; 3], [i, j, k]: [usize; 3]| i + cells[0] * (j + cells[1] * k);
+                if one.a.face.axis() == 2 && a.layout.cells[2] == 1 {
+                    // The matrix of a block one cell thick has no places along k.
+                    continue;
+                }
+                for q in one.a.window.lo[1]..one.a.window.hi[1] {
+                    for p in one.a.window.lo[0]..one.a.window.hi[0] {
+                        let [pb, qb] = one.cell_on_b(p, q);
+                        let cell = place(a.layout.cells, one.a.face.ijk(a.layout.cells, p, q, 0));
+                        let other = place(b.layout.cells, one.b.face.ijk(b.layout.cells, pb, qb, 0));
+                        out.push(Coupling {
+                            block: one.a.block as u32,
+                            cell: cell as u32,
+                            direction: one.a.face.axis() as u8,
+                            upper: one.a.face.is_max(),
+                            neighbour: (b.offset + other) as u32,
+                        });
+                    }
+                }
+            }
+        }
+        out
     }
 
     /// A level with cells merged in pairs along every direction that allows it, and the map of cells to it; `None`

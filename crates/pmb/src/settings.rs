@@ -129,11 +129,11 @@ impl Default for SolverSettings {
             max_steps: 300,
             levels: 3,
             explicit_steps: 5,
-            cfl_start: 5.0,
-            cfl_growth: 3.0,
-            coarse_orders: 3.0,
-            directions: 25,
-            max_products: 100,
+            cfl_start: 20.0,
+            cfl_growth: 5.0,
+            coarse_orders: 2.0,
+            directions: 35,
+            max_products: 60,
         }
     }
 }

@@ -5,7 +5,8 @@
 //! preconditioner is BILU(0) of the analytic first-order Jacobian, in single precision.
 
 use dip_krylov::{
-    Bilu, BlockMatrix, Gcg, GcgOutcome, GcgSettings, KrylovError, LinearOperator, Preconditioner, vector,
+    BlockMatrix, Gcg, GcgOutcome, GcgSettings, KrylovError, LevelShape, LinearOperator, Multilevel, Preconditioner,
+    vector,
 };
 use rayon::prelude::*;
 
@@ -155,8 +156,7 @@ pub struct Solver {
     radii: Vec<f64>,
     /// V/dt.
     time: Vec<f64>,
-    factors: Vec<Bilu<f32>>,
-    spare: Vec<BlockMatrix<f32>>,
+    preconditioner: Option<Multilevel<f32>>,
     gcg: Gcg<f32>,
     rhs: Vec<f64>,
     perturbed: Vec<f64>,
@@ -179,8 +179,7 @@ impl Solver {
             step: vec![0.0; n],
             radii: vec![0.0; cells],
             time: vec![0.0; cells],
-            factors: Vec::new(),
-            spare: Vec::new(),
+            preconditioner: None,
             gcg: Gcg::new(),
             rhs: vec![0.0; n],
             perturbed: vec![0.0; n],
@@ -233,32 +232,22 @@ impl Solver {
     /// Assembles and factors the preconditioner for the current flow and time step.
     ///
     /// # Errors
-    /// If a diagonal block is singular.
+    /// If a diagonal block is singular; the next call starts anew.
     pub fn build(&mut self) -> Result<(), FlowError> {
-        let mut matrices: Vec<BlockMatrix<f32>> = if self.factors.is_empty() {
-            std::mem::take(&mut self.spare)
-        } else {
-            self.factors.drain(..).map(Bilu::into_matrix).collect()
+        let mut preconditioner = match self.preconditioner.take() {
+            Some(kept) => kept,
+            None => Multilevel::new(shapes(&self.equations.level)),
         };
-        if matrices.len() != self.equations.level.blocks.len() {
-            matrices = self
-                .equations
-                .level
-                .blocks
-                .iter()
-                .map(|b| BlockMatrix::zeros(b.layout.cells))
-                .collect();
-        }
-        self.equations.jacobian(&self.time, &mut matrices);
-        let factors: Result<Vec<_>, KrylovError> = matrices.into_par_iter().map(Bilu::factor_in_place).collect();
-        self.factors = factors?;
+        self.equations.jacobian(&self.time, &mut preconditioner.finest_mut().blocks);
+        preconditioner.factor()?;
+        self.preconditioner = Some(preconditioner);
         Ok(())
     }
 
     /// Solves for the step of the current flow, time step and preconditioner.
     ///
     /// # Errors
-    /// If the linear solver breaks down.
+    /// If the linear solver breaks down, or [`Solver::build`] was not called.
     pub fn solve(&mut self, settings: &GcgSettings) -> Result<GcgOutcome, FlowError> {
         for (b, r) in self.rhs.iter_mut().zip(&self.residual) {
             *b = -r;
@@ -273,7 +262,8 @@ impl Solver {
             perturbed: &mut self.perturbed,
             size,
         };
-        let mut precondition = Precondition { factors: &self.factors };
+        let Some(preconditioner) = &mut self.preconditioner else { return Err(FlowError::NotBuilt) };
+        let mut precondition = Precondition { preconditioner };
         let outcome = self
             .gcg
             .solve(&mut product, &mut precondition, settings, &mut self.rhs, &mut self.step);
@@ -349,7 +339,7 @@ impl Solver {
             + self.time.len()
             + self.rhs.len()
             + self.perturbed.len();
-        8 * doubles + self.gcg.bytes() + self.factors.iter().map(Bilu::bytes).sum::<usize>()
+        8 * doubles + self.gcg.bytes() + self.preconditioner.as_ref().map_or(0, Multilevel::bytes)
     }
 }
 
@@ -410,21 +400,28 @@ fn time_change(gas: &impl Gas, w: &State<f64>, x: &State<f64>) -> State<f64> {
 }
 
 struct Precondition<'a> {
-    factors: &'a [Bilu<f32>],
+    preconditioner: &'a mut Multilevel<f32>,
 }
 
 impl Preconditioner<f32> for Precondition<'_> {
     fn solve(&mut self, r: &[f64], z: &mut [f32]) {
-        let mut rest = z;
-        let mut from = 0;
-        let mut work = Vec::with_capacity(self.factors.len());
-        for factor in self.factors {
-            let n = factor.cells().iter().product::<usize>() * VARIABLES;
-            let (head, tail) = rest.split_at_mut(n);
-            rest = tail;
-            work.push((factor, &r[from..from + n], head));
-            from += n;
-        }
-        work.into_par_iter().for_each(|(factor, r, z)| factor.solve(r, z));
+        self.preconditioner.solve(r, z);
     }
+}
+
+/// Sizes and couplings of a level and of all that can be merged from it.
+fn shapes(level: &Level) -> Vec<LevelShape> {
+    let shape = |level: &Level, parents: Vec<u32>| LevelShape {
+        cells: level.blocks.iter().map(|b| b.layout.cells).collect(),
+        couplings: level.couplings(),
+        parents,
+    };
+    let mut out = Vec::new();
+    let mut here = None;
+    while let Some((coarse, map)) = here.as_ref().unwrap_or(level).coarser() {
+        out.push(shape(here.as_ref().unwrap_or(level), map.parents));
+        here = Some(coarse);
+    }
+    out.push(shape(here.as_ref().unwrap_or(level), Vec::new()));
+    out
 }

@@ -11,7 +11,7 @@ use dip_pmb::scheme::Scheme;
 use dip_pmb::solver::{Equations, Solver};
 
 /// One cell across between symmetry planes; i along the first, j along the second parameter.
-fn planar(cells: [usize; 2], conditions: [Condition; 4], at: impl Fn(f64, f64) -> [f64; 2]) -> MultiBlock {
+pub fn planar(cells: [usize; 2], conditions: [Condition; 4], at: impl Fn(f64, f64) -> [f64; 2]) -> MultiBlock {
     let [ni, nj] = cells;
     let block = Block::from_fn("plane", [ni, nj, 1], |i, j, k| {
         let [x, z] = at(i as f64 / ni as f64, j as f64 / nj as f64);

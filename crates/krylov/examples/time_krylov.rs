@@ -1,4 +1,4 @@
-//! Times the linear algebra kernels on one block: `cargo run --release -p dip-krylov --example time [ni nj nk]`.
+//! Times the linear algebra kernels on one block: `cargo run --release -p dip-krylov --example time_krylov [ni nj nk]`.
 //!
 //! Prints microseconds a cell (best of several) and the memory bandwidth that the least possible traffic stands for.
 
@@ -44,7 +44,7 @@ fn run<S: Storage>(cells: [usize; 3], name: &str) {
         best(n, || f.factor(&a).expect("dominant matrix")),
         14 * 25 * size,
     );
-    report("solve", best(n, || f.solve(&r, &mut z)), 7 * 25 * size + 5 * (8 + size));
+    report("solve", best(n, || f.solve(&a, &r, &mut z)), 7 * 25 * size + 5 * (8 + size));
     report(
         "product",
         best(n, || a.apply(&z, &mut y)),
