@@ -4,18 +4,25 @@
 //! together, [`metrics`] for areas and volumes.
 
 pub mod block;
+pub mod boundary_file;
 pub mod coarsen;
+pub mod connect;
 pub mod face;
+pub mod file;
 pub mod generate;
 pub mod geometry;
 pub mod metrics;
+pub mod nmf;
 pub mod picture;
+pub mod plot3d;
 pub mod quality;
 pub mod recipe;
 pub mod reorient;
 pub mod split;
 pub mod topology;
 pub mod vector;
+pub mod vtk;
+pub mod wall_distance;
 
 pub use block::Block;
 pub use face::{Face, Window};

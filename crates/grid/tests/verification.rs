@@ -219,3 +219,327 @@ fn splitting_keeps_every_node_interface_and_patch() {
         assert_eq!(names.len(), count);
     }
 }
+
+#[test]
+fn the_volume_swept_by_the_faces_is_the_change_of_volume() {
+    let mut noise = Noise(11);
+    let corner = |n: usize, d: usize| ((n >> d) & 1) as f64;
+    let mut old = [[0.0; 3]; 8];
+    let mut new = [[0.0; 3]; 8];
+    for n in 0..8 {
+        for d in 0..3 {
+            old[n][d] = corner(n, d) + 0.2 * noise.next();
+            new[n][d] = corner(n, d) + 0.2 * noise.next();
+        }
+    }
+    // Faces as corners (0,0), (1,0), (0,1), (1,1) with the outward normal along d(0) x d(1).
+    let faces = [
+        [0, 4, 2, 6],
+        [1, 3, 5, 7],
+        [0, 1, 4, 5],
+        [2, 6, 3, 7],
+        [0, 2, 1, 3],
+        [4, 5, 6, 7],
+    ];
+    let swept: f64 = faces
+        .iter()
+        .map(|face| {
+            let mut hexahedron = [[0.0; 3]; 8];
+            for n in 0..4 {
+                hexahedron[n] = old[face[n]];
+                hexahedron[n + 4] = new[face[n]];
+            }
+            hexahedron_volume(&hexahedron)
+        })
+        .sum();
+    let change = hexahedron_volume(&new) - hexahedron_volume(&old);
+    assert!((swept - change).abs() < 1e-15, "{swept} {change}");
+}
+
+mod generated {
+    use dip_grid::generate::{AerofoilGrid, AerofoilKind, WingCh, WingOo};
+    use dip_grid::geometry::{Section, Station, TipShape, TrailingEdge, Wing};
+    use dip_grid::{Face, Metrics, MultiBlock, coarsen, quality, wall_distance};
+
+    fn section(treatment: TrailingEdge) -> Section {
+        Section::naca4("0012").unwrap().with_trailing_edge(treatment).unwrap()
+    }
+
+    fn aerofoil(kind: AerofoilKind, treatment: TrailingEdge, wall_spacing: f64) -> AerofoilGrid {
+        AerofoilGrid {
+            kind,
+            section: section(treatment),
+            chord: 1.0,
+            surface: 48,
+            wake: 24,
+            normal: 40,
+            base: 4,
+            wall_spacing,
+            nose_spacing: 0.003,
+            tail_spacing: 0.005,
+            far_field: 20.0,
+            wake_growth: 1.0,
+            growth_limit: 2.0,
+        }
+    }
+
+    fn wing(tip: TipShape) -> Wing {
+        let at = |y: f64, x_le: f64, chord: f64| Station {
+            y,
+            x_le,
+            z_le: 0.0,
+            chord,
+            twist_deg: 0.0,
+            section: section(TrailingEdge::Sharp),
+        };
+        Wing {
+            stations: vec![at(0.0, 0.0, 1.0), at(1.5, 1.0, 0.6)],
+            tip,
+            tip_length: 0.04,
+        }
+    }
+
+    fn wing_oo(stride: usize) -> WingOo {
+        WingOo {
+            wing: wing(TipShape::Rounded),
+            surface: 24,
+            normal: 24,
+            span: 16,
+            wall_spacing: 1e-3,
+            nose_spacing: 0.006,
+            tail_spacing: 0.01,
+            root_spacing: 0.15,
+            tip_spacing: 0.02,
+            far_field: 12.0,
+            growth_limit: 2.0,
+            stride,
+        }
+    }
+
+    fn wing_ch(stride: usize, tip: TipShape) -> WingCh {
+        WingCh {
+            wing: wing(tip),
+            surface: 24,
+            wake: 12,
+            normal: 24,
+            span: 16,
+            outboard: 8,
+            wall_spacing: 1e-3,
+            nose_spacing: 0.006,
+            tail_spacing: 0.01,
+            root_spacing: 0.15,
+            tip_spacing: 0.02,
+            far_field: 10.0,
+            exit: 12.0,
+            wake_growth: 1.0,
+            growth_limit: 2.0,
+            stride,
+        }
+    }
+
+    fn assert_good(grid: &MultiBlock) {
+        super::assert_fits(grid);
+        let report = quality::check(grid);
+        assert!(report.is_good(), "{report}");
+        assert!(report.figure(quality::names::VOLUME).unwrap().worst[0].value > 0.0);
+    }
+
+    #[test]
+    fn aerofoil_grids_fit_and_have_the_wall_spacing_asked_for() {
+        for kind in [AerofoilKind::C, AerofoilKind::O] {
+            for spacing in [1e-3, 2e-6] {
+                for treatment in [TrailingEdge::Sharp, TrailingEdge::Blunt, TrailingEdge::Closed] {
+                    let grid = aerofoil(kind, treatment, spacing).make().unwrap();
+                    assert_good(&grid);
+                    assert!(grid.is_two_dimensional());
+                    let block = &grid.blocks[0];
+                    for patch in grid.topology.patches.iter().filter(|p| p.name == "aerofoil") {
+                        for i in patch.window.lo[0]..=patch.window.hi[0] {
+                            let step = super::norm(super::sub(block.point(i, 1, 0), block.point(i, 0, 0)));
+                            assert!(
+                                (step / spacing - 1.0).abs() < 0.06,
+                                "{kind:?} {i} {step:e} for {spacing:e}"
+                            );
+                        }
+                    }
+                }
+            }
+        }
+    }
+
+    /// Wall nodes of a sharp section are on its formula; lines leave at a right angle (to the chord of two cells).
+    #[test]
+    fn aerofoil_walls_are_exact_and_lines_leave_them_at_right_angles() {
+        let made = aerofoil(AerofoilKind::C, TrailingEdge::Sharp, 1e-4);
+        let grid = made.make().unwrap();
+        let block = &grid.blocks[0];
+        let section = &made.section;
+        for i in made.wake..=made.wake + 2 * made.surface {
+            let [x, _, z] = block.point(i, 0, 0);
+            let side = if i <= made.wake + made.surface { 1.0 } else { -1.0 };
+            assert!((section.point(side * x.sqrt())[1] - z).abs() < 1e-12);
+        }
+        for i in made.wake + 2..made.wake + 2 * made.surface - 1 {
+            let along = super::sub(block.point(i + 1, 0, 0), block.point(i - 1, 0, 0));
+            let away = super::sub(block.point(i, 1, 0), block.point(i, 0, 0));
+            let cosine = super::dot(along, away) / (super::norm(along) * super::norm(away));
+            // The chord's direction differs from the tangent where steps or curvature change: a few degrees at the nose.
+            assert!(cosine.abs() < 0.09, "{i} {cosine}");
+        }
+    }
+
+    /// The area of the grid is that of the far boundary's polygon less the section's: by Green's theorem over the wall.
+    #[test]
+    fn volumes_sum_to_the_area_between_wall_and_far_field() {
+        let grid = aerofoil(AerofoilKind::O, TrailingEdge::Sharp, 1e-3).make().unwrap();
+        let block = &grid.blocks[0];
+        let polygon = |j: usize| -> f64 {
+            (0..block.ni)
+                .map(|i| {
+                    let (p, q) = (block.point(i, j, 0), block.point(i + 1, j, 0));
+                    0.5 * (p[0] * q[2] - q[0] * p[2])
+                })
+                .sum()
+        };
+        let area: f64 = Metrics::new(block).volume.iter().sum();
+        let expected = polygon(block.nj).abs() - polygon(0).abs();
+        assert!((area / expected - 1.0).abs() < 1e-12);
+        // Section area of the closed NACA 0012: integral of the thickness (TMR formula) is 0.08169.
+        assert!((polygon(0).abs() - 0.0817).abs() < 5e-4);
+    }
+
+    #[test]
+    fn wing_grids_fit_and_have_positive_volumes() {
+        for tip in [TipShape::Rounded, TipShape::Tapered] {
+            assert_good(&wing_ch(1, tip).make().unwrap());
+        }
+        assert_good(&wing_oo(1).make().unwrap());
+    }
+
+    #[test]
+    fn coarser_levels_are_every_second_point_of_the_finer() {
+        let pairs = [
+            (
+                wing_ch(1, TipShape::Rounded).make().unwrap(),
+                wing_ch(2, TipShape::Rounded).make().unwrap(),
+            ),
+            (wing_oo(1).make().unwrap(), wing_oo(2).make().unwrap()),
+        ];
+        for (fine, coarse) in pairs {
+            let kept = coarsen::coarsen(&fine).unwrap();
+            assert_eq!(kept.topology, coarse.topology);
+            let (a, b) = (&kept.blocks[0], &coarse.blocks[0]);
+            // In C-H grids the exit's last digits are put right level by level.
+            let apart = |p: &[f64], q: &[f64]| p.iter().zip(q).fold(0.0f64, |m, (p, q)| m.max((p - q).abs()));
+            for (p, q) in [(&a.x, &b.x), (&a.y, &b.y), (&a.z, &b.z)] {
+                assert!(apart(p, q) < 1e-12);
+            }
+        }
+    }
+
+    #[test]
+    fn grids_do_not_depend_on_the_number_of_threads() {
+        let with = |threads: usize| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            pool.install(|| {
+                (
+                    wing_oo(2).make().unwrap(),
+                    wing_ch(2, TipShape::Rounded).make().unwrap(),
+                )
+            })
+        };
+        assert_eq!(with(1), with(3));
+    }
+
+    #[test]
+    fn too_few_cells_for_the_growth_limit_say_how_many_are_needed() {
+        let mut made = aerofoil(AerofoilKind::C, TrailingEdge::Sharp, 1e-7);
+        made.growth_limit = 1.2;
+        let text = made.make().unwrap_err().to_string();
+        assert!(text.contains("use at least"), "{text}");
+        made.wall_spacing = f64::NAN;
+        assert!(made.make().unwrap_err().to_string().contains("wall_spacing"));
+        let mut odd = wing_oo(2);
+        odd.span = 15;
+        assert!(odd.make().unwrap_err().to_string().contains("multiple of 2"));
+    }
+
+    #[test]
+    fn the_wall_of_a_wing_lies_on_its_surface() {
+        let made = wing_oo(1);
+        let grid = made.make().unwrap();
+        let block = &grid.blocks[0];
+        for k in 0..=block.nk {
+            for i in 0..=block.ni {
+                let [x, y, z] = block.point(i, 0, k);
+                let [x_le, _, chord] = made.wing.planform(y);
+                let t = ((x - x_le) / chord).max(0.0).sqrt() * if 2 * i <= block.ni { 1.0 } else { -1.0 };
+                let exact = made.wing.point(y, t);
+                assert!((z - exact[2]).abs() < 1e-9, "{i} {k}");
+            }
+        }
+    }
+
+    /// Between parallel plates, and across blocks, the distance is known; on the wing it is compared with all triangles.
+    #[test]
+    fn wall_distance_is_exact_and_equals_brute_force() {
+        use dip_grid::Condition::{Symmetry, Wall};
+        let conditions = [Symmetry, Symmetry, Symmetry, Symmetry, Wall, Wall];
+        let mut plates = dip_grid::generate::BoxGrid::new([0.0; 3], [3.0, 2.0, 1.0], [12, 8, 10])
+            .conditions(conditions)
+            .make();
+        dip_grid::split::split_into(&mut plates, 5);
+        let distances = wall_distance::of_cells(&plates, dip_grid::Condition::is_wall);
+        for (block, distances) in plates.blocks.iter().zip(&distances) {
+            for (cell, d) in distances.iter().enumerate() {
+                let [i, j, k] = block.cell_ijk(cell);
+                let z = block.cell_centre(i, j, k)[2];
+                assert!((d - z.min(1.0 - z)).abs() < 1e-15);
+            }
+        }
+        let grid = wing_oo(2).make().unwrap();
+        let block = &grid.blocks[0];
+        let mut triangles = Vec::new();
+        for k in 0..block.nk {
+            for i in 0..block.ni {
+                let node = |a, b| block.point_at(block.node_behind(Face::JMin, i + a, k + b, 0));
+                let (a, b, c, d) = (node(0, 0), node(1, 0), node(1, 1), node(0, 1));
+                if super::norm(super::sub(a, c)) <= super::norm(super::sub(b, d)) {
+                    triangles.extend([[a, b, c], [a, c, d]]);
+                } else {
+                    triangles.extend([[a, b, d], [b, c, d]]);
+                }
+            }
+        }
+        let distances = &wall_distance::of_cells(&grid, dip_grid::Condition::is_wall)[0];
+        for (cell, &found) in distances.iter().enumerate() {
+            let [i, j, k] = block.cell_ijk(cell);
+            let p = block.cell_centre(i, j, k);
+            let brute = triangles
+                .iter()
+                .map(|t| super::norm(super::sub(p, wall_distance::nearest_on_triangle(p, t))))
+                .fold(f64::INFINITY, f64::min);
+            assert!((found - brute).abs() <= 1e-14 * brute, "{cell} {found} {brute}");
+        }
+    }
+
+    /// Scan of a triangle: the nearest point is at least as near as every sample of the triangle, and is on it.
+    #[test]
+    fn nearest_point_of_a_triangle_beats_a_fine_sampling() {
+        let mut noise = super::Noise(5);
+        for _ in 0..200 {
+            let mut point = || [noise.next(), noise.next(), noise.next()];
+            let (t, p) = ([point(), point(), point()], super::add(point(), point()));
+            let nearest = super::norm(super::sub(p, wall_distance::nearest_on_triangle(p, &t)));
+            let mut sampled = f64::INFINITY;
+            for a in 0..=60 {
+                for b in 0..=60 - a {
+                    let (u, v) = (f64::from(a) / 60.0, f64::from(b) / 60.0);
+                    let q = [0, 1, 2].map(|d| t[0][d] + u * (t[1][d] - t[0][d]) + v * (t[2][d] - t[0][d]));
+                    sampled = sampled.min(super::norm(super::sub(p, q)));
+                }
+            }
+            assert!(nearest <= sampled + 1e-12 && nearest > sampled - 0.05);
+        }
+    }
+}

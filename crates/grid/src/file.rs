@@ -1,0 +1,169 @@
+//! Opens grids from, and saves them to, files of any kind the crate knows.
+
+use std::path::{Path, PathBuf};
+
+use crate::boundary_file::{self, BoundaryError};
+use crate::connect::{self, Options};
+use crate::nmf::{self, NmfError};
+use crate::plot3d::{self, Encoding, Layout, Plot3dError};
+use crate::recipe::{self, RecipeError};
+use crate::reorient::turn_right_handed;
+use crate::topology::MultiBlock;
+use crate::{metrics::hexahedron_volume, vtk};
+
+/// Why a file could not be opened or saved.
+#[derive(Debug, thiserror::Error)]
+pub enum FileError {
+    /// A recipe.
+    #[error(transparent)]
+    Recipe(#[from] RecipeError),
+    /// A Plot3D file.
+    #[error(transparent)]
+    Plot3d(#[from] Plot3dError),
+    /// A boundary file.
+    #[error(transparent)]
+    Boundary(#[from] BoundaryError),
+    /// A neutral map file.
+    #[error(transparent)]
+    Nmf(#[from] NmfError),
+    /// Reading or writing failed.
+    #[error("{}: {source}", path.display())]
+    Io {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        source: std::io::Error,
+    },
+}
+
+/// A grid that was opened, and what was done to it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Opened {
+    /// The grid.
+    pub grid: MultiBlock,
+    /// What a user should know: layout, conditions from where, interfaces found, blocks turned.
+    pub notes: Vec<String>,
+}
+
+/// Opens a recipe (`.toml`) or a Plot3D file. Conditions of a Plot3D file come from `boundary` if given, else from the
+/// `.bc.toml` or `.nmf` beside it; interfaces that these do not name are found by points. Left-handed blocks are turned.
+/// # Errors
+/// Whatever is wrong with one of the files.
+pub fn open(path: &Path, boundary: Option<&Path>) -> Result<Opened, FileError> {
+    if path.extension().is_some_and(|e| e == "toml") {
+        return Ok(Opened {
+            grid: recipe::make(path)?,
+            notes: Vec::new(),
+        });
+    }
+    let read = plot3d::read(path)?;
+    let mut notes = vec![describe(&read.layout, read.blocks.len())];
+    let tolerance = (!read.layout.double).then_some(2e-7);
+    let mut grid = MultiBlock {
+        blocks: read.blocks,
+        topology: crate::Topology::default(),
+    };
+    let beside = || {
+        [path.with_extension("bc.toml"), path.with_extension("nmf")]
+            .into_iter()
+            .find(|p| p.is_file())
+    };
+    if let Some(file) = boundary.map(Path::to_path_buf).or_else(beside) {
+        let text = std::fs::read_to_string(&file).map_err(|source| FileError::Io {
+            path: file.clone(),
+            source,
+        })?;
+        let name = file.to_string_lossy();
+        grid.topology = if file.extension().is_some_and(|e| e == "nmf") {
+            nmf::parse(&name, &text, &grid)?
+        } else {
+            boundary_file::parse(&name, &text, &grid)?
+        };
+        notes.push(format!("conditions from {name}"));
+    }
+    let [lo, hi] = grid.bounds();
+    let diagonal = crate::vector::distance(lo, hi);
+    let options = Options {
+        tolerance: tolerance.map(|t| t * diagonal),
+        periodic: Vec::new(),
+    };
+    let found = connect::find_interfaces(&mut grid, &options);
+    if found.interfaces + found.collapsed > 0 || found.free > 0 {
+        notes.push(found.to_string());
+    }
+    for n in 0..grid.blocks.len() {
+        let block = &grid.blocks[n];
+        let negative = |cell: usize| {
+            let [i, j, k] = block.cell_ijk(cell);
+            hexahedron_volume(&block.corners(i, j, k)) < 0.0
+        };
+        let count = (0..block.cell_count()).filter(|&c| negative(c)).count();
+        if 2 * count > block.cell_count() {
+            notes.push(format!(
+                "block {n} ({}) is left-handed: turned, k runs backwards now",
+                block.name
+            ));
+            turn_right_handed(&mut grid, n);
+        }
+    }
+    Ok(Opened { grid, notes })
+}
+
+fn describe(layout: &Layout, blocks: usize) -> String {
+    let encoding = match layout.encoding {
+        Encoding::Ascii => "text".to_owned(),
+        Encoding::Stream { big_endian } => {
+            format!("stream binary, {} endian", if big_endian { "big" } else { "little" })
+        }
+        Encoding::Records { big_endian, marker } => {
+            format!(
+                "Fortran records, {} endian, {marker}-byte markers",
+                if big_endian { "big" } else { "little" }
+            )
+        }
+    };
+    format!(
+        "Plot3D, {blocks} blocks, {}: {encoding}, {} precision, {} block count, {} iblank",
+        if layout.three_d { "3-D" } else { "2-D" },
+        if layout.double { "double" } else { "single" },
+        if layout.multi { "with" } else { "without" },
+        if layout.iblank { "with" } else { "without" }
+    )
+}
+
+/// Saves a grid: `.vtm` for ParaView; else Plot3D in `layout` with a `.bc.toml` beside it, and a `.nmf` too. Notes say what
+/// the formats cannot hold.
+/// # Errors
+/// If a file cannot be written.
+pub fn save(path: &Path, grid: &MultiBlock, layout: Layout) -> Result<Vec<String>, FileError> {
+    let io = |path: &Path| {
+        let path = path.to_owned();
+        move |source| FileError::Io { path, source }
+    };
+    if path.extension().is_some_and(|e| e == "vtm") {
+        vtk::write(path, grid, &[]).map_err(io(path))?;
+        return Ok(Vec::new());
+    }
+    plot3d::write(path, &grid.blocks, &[], layout)?;
+    let conditions = path.with_extension("bc.toml");
+    std::fs::write(&conditions, boundary_file::format(&grid.topology)).map_err(io(&conditions))?;
+    let map = path.with_extension("nmf");
+    let (text, left_out) = nmf::format(grid);
+    std::fs::write(&map, text).map_err(io(&map))?;
+    let mut notes = vec![format!("conditions in {} and {}", conditions.display(), map.display())];
+    if left_out > 0 {
+        notes.push(format!(
+            "{left_out} periodic interfaces have no place in a .nmf and are in the .bc.toml only"
+        ));
+    }
+    Ok(notes)
+}
+
+/// Opens `from` and saves it as `to`.
+/// # Errors
+/// As [`open`] and [`save`].
+pub fn convert(from: &Path, to: &Path, layout: Layout) -> Result<Opened, FileError> {
+    let mut opened = open(from, None)?;
+    opened.notes.extend(save(to, &opened.grid, layout)?);
+    Ok(opened)
+}

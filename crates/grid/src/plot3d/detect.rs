@@ -1,0 +1,397 @@
+//! Finds the layout of a grid file, and reads it.
+
+use super::bytes::{Order, records, text};
+use super::{Encoding, Grid, Layout};
+use crate::block::Block;
+
+/// Most blocks a file may claim to have.
+const MOST_BLOCKS: usize = 1 << 20;
+
+/// Node counts of a block.
+pub(super) type Size = [usize; 3];
+
+pub(super) fn grid(bytes: &[u8]) -> Result<Grid, String> {
+    if bytes.is_empty() {
+        return Err("the file is empty".into());
+    }
+    let mut tried = Vec::new();
+    if let Some(numbers) = text(bytes) {
+        return ascii(&numbers);
+    }
+    let mut fits: Vec<Grid> = Vec::new();
+    for big_endian in [false, true] {
+        let order = Order { big_endian };
+        for marker in [4, 8] {
+            if let Some(records) = records(bytes, order, marker) {
+                match unformatted(&records, order, marker) {
+                    Ok(grid) => fits.push(grid),
+                    Err(what) => tried.push(what),
+                }
+            }
+        }
+    }
+    if fits.is_empty() {
+        for big_endian in [false, true] {
+            stream(bytes, Order { big_endian }, &mut fits);
+        }
+    }
+    // Of several readings the sane one; none sane: the first, whose check then says what is wrong with it.
+    let sane = fits.iter().position(|g| check(g).is_ok());
+    let chosen = match sane {
+        Some(n) => fits.swap_remove(n),
+        None if !fits.is_empty() => fits.swap_remove(0),
+        None => {
+            let start = tried.into_iter().next().unwrap_or_else(|| {
+                "no Plot3D layout fits its length: neither Fortran records (their markers do not chain to the end), nor \
+                 stream binary (block sizes and coordinates do not add up to the length), nor text"
+                    .into()
+            });
+            return Err(format!(
+                "{start}; the file may be truncated or of another format ({} bytes)",
+                bytes.len()
+            ));
+        }
+    };
+    check(&chosen)?;
+    Ok(chosen)
+}
+
+fn check(grid: &Grid) -> Result<(), String> {
+    for (n, block) in grid.blocks.iter().enumerate() {
+        for (name, values) in [("x", &block.x), ("y", &block.y), ("z", &block.z)] {
+            // Bytes of another precision or order read as numbers like 1e-290 or 1e200.
+            if let Some(at) = values.iter().position(|v| !v.is_finite() || v.abs() > 1e30) {
+                let [ni, nj, _] = block.nodes();
+                return Err(format!(
+                    "block {}: {name} of node ({}, {}, {}) is {:e}, not a coordinate",
+                    n + 1,
+                    at % ni,
+                    at / ni % nj,
+                    at / (ni * nj),
+                    values[at]
+                ));
+            }
+        }
+        let largest = block
+            .x
+            .iter()
+            .chain(&block.z)
+            .chain(&block.y)
+            .fold(0.0f64, |m, v| m.max(v.abs()));
+        if largest < 1e-30 {
+            return Err(format!("block {}: all coordinates are zero", n + 1));
+        }
+    }
+    Ok(())
+}
+
+/// Sizes from integers; `None` if any is not a possible size.
+pub(super) fn sizes(integers: &[i64], three_d: bool) -> Option<Vec<Size>> {
+    let d = if three_d { 3 } else { 2 };
+    if integers.is_empty() || !integers.len().is_multiple_of(d) {
+        return None;
+    }
+    integers
+        .chunks(d)
+        .map(|c| {
+            let n: Vec<usize> = c
+                .iter()
+                .map(|&v| usize::try_from(v).ok().filter(|&n| n >= 1))
+                .collect::<Option<_>>()?;
+            let size = [n[0], n[1], if three_d { n[2] } else { 1 }];
+            // At least a surface, and a number of nodes that can be counted.
+            size[0].checked_mul(size[1])?.checked_mul(size[2])?.checked_mul(64)?;
+            (size.iter().filter(|&&n| n >= 2).count() >= 2).then_some(size)
+        })
+        .collect()
+}
+
+pub(super) fn nodes(size: Size) -> usize {
+    size[0] * size[1] * size[2]
+}
+
+/// The header of a text file: layout, sizes and how many numbers it takes, in order of trust.
+pub(super) fn headers(numbers: &[f64]) -> Vec<(bool, bool, Vec<Size>, usize)> {
+    let whole = |v: f64| (v.fract() == 0.0 && v.abs() < 1e15).then_some(v as i64);
+    let mut out = Vec::new();
+    for (multi, three_d) in [(true, true), (true, false), (false, true), (false, false)] {
+        let d = if three_d { 3 } else { 2 };
+        let (start, count) = if multi {
+            match numbers.first().and_then(|&v| whole(v)) {
+                Some(n) if n >= 1 && n as usize <= MOST_BLOCKS => (1, d * n as usize),
+                _ => continue,
+            }
+        } else {
+            (0, d)
+        };
+        let Some(head) = numbers.get(start..start + count) else {
+            continue;
+        };
+        let Some(integers) = head.iter().map(|&v| whole(v)).collect::<Option<Vec<i64>>>() else {
+            continue;
+        };
+        if let Some(sizes) = sizes(&integers, three_d) {
+            out.push((multi, three_d, sizes, start + count));
+        }
+    }
+    out
+}
+
+fn ascii(numbers: &[f64]) -> Result<Grid, String> {
+    let mut nearest: Option<String> = None;
+    for (multi, three_d, sizes, start) in headers(numbers) {
+        let total: usize = sizes.iter().map(|&s| nodes(s)).fold(0, usize::saturating_add);
+        let reals = total.saturating_mul(if three_d { 3 } else { 2 });
+        let left = numbers.len() - start;
+        for iblank in [false, true] {
+            if left == reals.saturating_add(if iblank { total } else { 0 }) {
+                let layout = Layout {
+                    encoding: Encoding::Ascii,
+                    double: true,
+                    multi,
+                    three_d,
+                    iblank,
+                };
+                let grid = build(&sizes, layout, &mut |block, part| {
+                    let n = nodes(sizes[block]);
+                    let parts = if three_d { 3 } else { 2 } + usize::from(iblank);
+                    let before: usize = sizes[..block].iter().map(|&s| nodes(s) * parts).sum();
+                    let at = start + before + part * n;
+                    numbers[at..at + n].to_vec()
+                });
+                check(&grid)?;
+                return Ok(grid);
+            }
+        }
+        nearest.get_or_insert_with(|| {
+            let what = if multi {
+                format!("{} blocks", sizes.len())
+            } else {
+                "one block".into()
+            };
+            format!(
+                "the header says {what} in {} with {total} nodes, which takes {reals} coordinates; the file has {left} \
+                 numbers after the header ({})",
+                if three_d { "3-D" } else { "2-D" },
+                if left < reals {
+                    "it is truncated, or the sizes are wrong"
+                } else {
+                    "too many"
+                }
+            )
+        });
+    }
+    Err(nearest.unwrap_or_else(|| "a text file that does not start with block sizes of a Plot3D grid".into()))
+}
+
+/// Builds blocks; `part(block, n)` gives the n-th array of a block (coordinates, then iblank).
+fn build(sizes: &[Size], layout: Layout, part: &mut dyn FnMut(usize, usize) -> Vec<f64>) -> Grid {
+    let mut blocks = Vec::with_capacity(sizes.len());
+    let mut iblank = Vec::with_capacity(sizes.len());
+    for (n, &size) in sizes.iter().enumerate() {
+        let d = if layout.three_d { 3 } else { 2 };
+        let arrays: Vec<Vec<f64>> = (0..d).map(|m| part(n, m)).collect();
+        blocks.push(block(n, size, arrays));
+        iblank.push(
+            layout
+                .iblank
+                .then(|| part(n, d).into_iter().map(|v| v as i32).collect()),
+        );
+    }
+    Grid { blocks, iblank, layout }
+}
+
+/// A block from its coordinate arrays. A block one node thick becomes one cell thick: 2-D x, y are our x, z, and k runs
+/// to port so that the block keeps its hand.
+fn block(n: usize, size: Size, mut arrays: Vec<Vec<f64>>) -> Block {
+    let name = (n + 1).to_string();
+    if size[2] == 1 {
+        let count = nodes(size);
+        let (x, z) = (arrays.swap_remove(0), arrays.swap_remove(arrays.len() - 1));
+        let twice = |v: Vec<f64>| v.repeat(2);
+        let y = std::iter::repeat_n(1.0, count)
+            .chain(std::iter::repeat_n(0.0, count))
+            .collect();
+        // With three coordinates the plane may be x-y or x-z: the one that is not constant is up.
+        let flat = |v: &[f64]| v.iter().all(|&a| a == v[0]);
+        let up = if !arrays.is_empty() && flat(&z) && !flat(&arrays[0]) {
+            arrays.swap_remove(0)
+        } else {
+            z
+        };
+        return Block {
+            name,
+            ni: size[0] - 1,
+            nj: size[1] - 1,
+            nk: 1,
+            x: twice(x),
+            y,
+            z: twice(up),
+        };
+    }
+    let (z, y, x) = (arrays.pop(), arrays.pop(), arrays.pop());
+    Block {
+        name,
+        ni: size[0].max(2) - 1,
+        nj: size[1].max(2) - 1,
+        nk: size[2] - 1,
+        x: x.unwrap_or_default(),
+        y: y.unwrap_or_default(),
+        z: z.unwrap_or_default(),
+    }
+}
+
+/// Bytes of a block for a layout; `None` if they cannot be counted.
+fn block_bytes(size: Size, three_d: bool, double: bool, iblank: bool) -> Option<usize> {
+    let per_node = if three_d { 3 } else { 2 } * if double { 8 } else { 4 } + if iblank { 4 } else { 0 };
+    nodes(size).checked_mul(per_node)
+}
+
+const VARIANTS: [(bool, bool); 4] = [(true, false), (false, false), (true, true), (false, true)];
+
+fn unformatted(all: &[Vec<&[u8]>], order: Order, marker: usize) -> Result<Grid, String> {
+    let (head, multi, used) = record_header(all, order)?;
+    let encoding = Encoding::Records {
+        big_endian: order.big_endian,
+        marker,
+    };
+    let found = |n: usize| all[used + n].iter().map(|p| p.len()).sum::<usize>();
+    let mut what = String::from("its first records are not the sizes of Plot3D blocks");
+    for three_d in [true, false] {
+        let Some(sizes) = sizes(&head, three_d) else { continue };
+        if multi.is_some_and(|n| n != sizes.len()) {
+            continue;
+        }
+        if all.len() - used != sizes.len() {
+            what = format!(
+                "the header says {} blocks, the file has {} records of coordinates",
+                sizes.len(),
+                all.len() - used
+            );
+            continue;
+        }
+        for (double, iblank) in VARIANTS {
+            let fits = |(n, &s): (usize, &Size)| block_bytes(s, three_d, double, iblank) == Some(found(n));
+            if sizes.iter().enumerate().all(fits) {
+                if sizes.iter().any(|s| s[2] > 1 && (s[0] == 1 || s[1] == 1)) {
+                    return Err("a 3-D block one node thick must be thick along k".into());
+                }
+                let layout = Layout {
+                    encoding,
+                    double,
+                    multi: multi.is_some(),
+                    three_d,
+                    iblank,
+                };
+                let joined: Vec<Vec<u8>> = all[used..].iter().map(|pieces| pieces.concat()).collect();
+                return Ok(build(&sizes, layout, &mut |b, part| {
+                    array(&joined[b], nodes(sizes[b]), part, order, layout)
+                }));
+            }
+        }
+        let n = (0..sizes.len())
+            .find(|&n| {
+                VARIANTS
+                    .iter()
+                    .all(|&(d, i)| block_bytes(sizes[n], three_d, d, i) != Some(found(n)))
+            })
+            .unwrap_or(0);
+        what = format!(
+            "block {} should have {} x {} x {} nodes, but its record of {} bytes holds another number",
+            n + 1,
+            sizes[n][0],
+            sizes[n][1],
+            sizes[n][2],
+            found(n)
+        );
+    }
+    Err(what)
+}
+
+/// Sizes as integers, the number of blocks if the file says it, and how many records that took.
+pub(super) fn record_header(all: &[Vec<&[u8]>], order: Order) -> Result<(Vec<i64>, Option<usize>, usize), String> {
+    let integers = |n: usize| -> Option<Vec<i64>> {
+        let record = all.get(n)?.concat();
+        (record.len() <= 12 * MOST_BLOCKS && record.len().is_multiple_of(4))
+            .then(|| order.integers(&record).into_iter().map(i64::from).collect())
+    };
+    let first = integers(0).ok_or("its first record is not a header of integers")?;
+    if let [count] = first[..] {
+        let count = usize::try_from(count).ok().filter(|n| (1..=MOST_BLOCKS).contains(n));
+        let count = count.ok_or_else(|| format!("its first record says {} blocks", first[0]))?;
+        let sizes = integers(1).ok_or("its second record is not the sizes of blocks")?;
+        return Ok((sizes, Some(count), 2));
+    }
+    Ok((first, None, 1))
+}
+
+/// The n-th array of a block's bytes.
+fn array(bytes: &[u8], count: usize, part: usize, order: Order, layout: Layout) -> Vec<f64> {
+    let d = if layout.three_d { 3 } else { 2 };
+    let size = if layout.double { 8 } else { 4 };
+    if part < d {
+        order.reals(&bytes[part * count * size..(part + 1) * count * size], layout.double)
+    } else {
+        order
+            .integers(&bytes[d * count * size..d * count * size + 4 * count])
+            .into_iter()
+            .map(f64::from)
+            .collect()
+    }
+}
+
+/// Sizes at the head of a stream, and where they end.
+pub(super) fn stream_header(bytes: &[u8], order: Order, multi: bool, three_d: bool) -> Option<(Vec<Size>, usize)> {
+    let d = if three_d { 3 } else { 2 };
+    let count = if multi {
+        usize::try_from(order.i32(bytes, 0)?).ok()?
+    } else {
+        1
+    };
+    if count == 0 || count > MOST_BLOCKS {
+        return None;
+    }
+    let start = if multi { 4 } else { 0 };
+    let end = start + 4 * d * count;
+    let head: Vec<i64> = order
+        .integers(bytes.get(start..end)?)
+        .into_iter()
+        .map(i64::from)
+        .collect();
+    Some((sizes(&head, three_d)?, end))
+}
+
+fn stream(bytes: &[u8], order: Order, fits: &mut Vec<Grid>) {
+    for (multi, three_d) in [(true, true), (true, false), (false, true), (false, false)] {
+        let Some((sizes, start)) = stream_header(bytes, order, multi, three_d) else {
+            continue;
+        };
+        if sizes.iter().any(|s| s[2] > 1 && (s[0] == 1 || s[1] == 1)) {
+            continue;
+        }
+        for (double, iblank) in VARIANTS {
+            let mut ends = Vec::with_capacity(sizes.len() + 1);
+            ends.push(start);
+            let total = sizes.iter().try_fold(start, |at, &s| {
+                let end = at.checked_add(block_bytes(s, three_d, double, iblank)?)?;
+                ends.push(end);
+                Some(end)
+            });
+            if total == Some(bytes.len()) {
+                let encoding = Encoding::Stream {
+                    big_endian: order.big_endian,
+                };
+                let layout = Layout {
+                    encoding,
+                    double,
+                    multi,
+                    three_d,
+                    iblank,
+                };
+                fits.push(build(&sizes, layout, &mut |b, part| {
+                    array(&bytes[ends[b]..ends[b + 1]], nodes(sizes[b]), part, order, layout)
+                }));
+            }
+        }
+    }
+}
