@@ -10,7 +10,7 @@ use faer::linalg::evd::{ComputeEigenvectors, self_adjoint_evd, self_adjoint_evd_
 use faer::linalg::triangular_solve::{solve_lower_triangular_in_place, solve_upper_triangular_in_place};
 use faer::{Accum, Mat, MatRef, Par};
 
-use super::{Pair, SHIFT_RANGE};
+use super::{Pair, SHIFT_RANGE, SHIFT_STEPS, first_shift};
 use crate::error::EigenError;
 
 /// Eigenvalues theta below this fraction of the largest are round-off of massless motions.
@@ -18,24 +18,22 @@ const MASSLESS: f64 = 1e-13;
 
 /// Eigenpairs of K and M (both triangles given), lowest first.
 pub(super) fn solve(k: &Mat<f64>, m: &Mat<f64>, shift: Option<f64>) -> Result<Vec<Pair>, EigenError> {
-    let n = k.nrows();
     if let Some(shift) = shift {
         return at_shift(k, m, shift);
     }
-    let bound = (0..n)
-        .filter(|&i| m[(i, i)] > 0.0 && k[(i, i)] > 0.0)
-        .map(|i| k[(i, i)] / m[(i, i)]);
-    let bound = bound.fold(f64::INFINITY, f64::min);
-    let first = if bound.is_finite() { 1e-4 * bound } else { 1.0 };
-    let pairs = at_shift(k, m, first)?;
-    let elastic = pairs
-        .iter()
-        .find(|p| p.lambda > 100.0 * f64::EPSILON * p.magnitude)
-        .map(|p| p.lambda);
-    match elastic {
-        Some(e) if !(first / SHIFT_RANGE..first * SHIFT_RANGE).contains(&e) => at_shift(k, m, e),
-        _ => Ok(pairs),
+    let mut shift = first_shift((0..k.nrows()).map(|i| (k[(i, i)], m[(i, i)])));
+    let mut pairs = at_shift(k, m, shift)?;
+    for _ in 0..SHIFT_STEPS {
+        let rigid = |p: &&Pair| p.lambda <= 100.0 * f64::EPSILON * p.magnitude;
+        match pairs.iter().find(|p| !rigid(p)).map(|p| p.lambda) {
+            Some(elastic) if !SHIFT_RANGE.contains(&(elastic / shift)) => {
+                shift = elastic;
+                pairs = at_shift(k, m, shift)?;
+            }
+            _ => break,
+        }
     }
+    Ok(pairs)
 }
 
 fn at_shift(k: &Mat<f64>, m: &Mat<f64>, shift: f64) -> Result<Vec<Pair>, EigenError> {

@@ -18,8 +18,14 @@ use crate::system::System;
 const DENSE_SIZE: usize = 200;
 /// Up to this size the dense solver is taken when a large part of all modes is asked for.
 const DENSE_LIMIT: usize = 1500;
-/// Shifts within this factor of the lowest elastic eigenvalue are good enough to keep.
-const SHIFT_RANGE: f64 = 1e3;
+/// First shift over the lowest Rayleigh quotient of a single degree of freedom. A plate of N elements across has its
+/// lowest eigenvalue near N^-4 of that; a smaller shift costs accuracy of free structures only.
+const FIRST_SHIFT: f64 = 1e-8;
+/// A shift is kept when the lowest elastic eigenvalue lies between these factors of it: a larger shift
+/// hides the lowest modes from the iteration, a smaller one costs digits.
+const SHIFT_RANGE: std::ops::Range<f64> = 0.1..1e4;
+/// Corrections of the shift; each estimate of the lowest eigenvalue comes from above.
+const SHIFT_STEPS: usize = 6;
 /// A pivot of K + s M below this fraction of its diagonal: no stiffness and no mass there.
 const PIVOT_LIMIT: f64 = 1e-14;
 
@@ -216,29 +222,20 @@ impl System {
         if m.iter().all(|&v| v <= 0.0) {
             return Err(EigenError::NoMass);
         }
-        // A unit motion of one degree of freedom has the Rayleigh quotient k/m: the lowest bounds the
-        // lowest eigenvalue from above, by a factor of about the fourth power of the elements across.
-        let bound = k
-            .iter()
-            .zip(&m)
-            .filter(|(k, m)| **m > 0.0 && **k > 0.0)
-            .map(|(k, m)| k / m);
-        let bound = bound.fold(f64::INFINITY, f64::min);
-        let mut shift = request
-            .shift
-            .unwrap_or(if bound.is_finite() { 1e-4 * bound } else { 1.0 });
+        let mut shift = request.shift.unwrap_or_else(|| first_shift(k.iter().copied().zip(m)));
         let mut factor = self.factor(&pencil, shift)?;
         if n <= DENSE_SIZE || (n <= DENSE_LIMIT && 4 * request.count >= n) {
             // The factorization above has found mechanisms, with their names.
             let dense = |a: &sprs::CsMat<f64>| faer::Mat::from_fn(n, n, |i, j| a.get(i, j).copied().unwrap_or(0.0));
             return dense::solve(&dense(&self.stiffness), &dense(&self.mass), request.shift);
         }
-        if request.shift.is_none() {
+        for _ in 0..if request.shift.is_some() { 0 } else { SHIFT_STEPS } {
             let elastic = lanczos::lowest_elastic(&pencil, &factor, shift)?;
-            if !(shift / SHIFT_RANGE..shift * SHIFT_RANGE).contains(&elastic) && elastic > 0.0 {
-                shift = elastic;
-                factor = self.factor(&pencil, shift)?;
+            if elastic <= 0.0 || SHIFT_RANGE.contains(&(elastic / shift)) {
+                break;
             }
+            shift = elastic;
+            factor = self.factor(&pencil, shift)?;
         }
         // Two more than asked for: the count is taken in a gap, and the value above it must be known.
         let mut count = request.count + 2;
@@ -262,6 +259,16 @@ impl System {
             None => Ok(factor),
         }
     }
+}
+
+/// A shift to begin with, from the diagonals (k, m): a unit motion of one degree of freedom has the Rayleigh
+/// quotient k/m, and the lowest of them bounds the lowest eigenvalue from above.
+fn first_shift(diagonals: impl Iterator<Item = (f64, f64)>) -> f64 {
+    let bound = diagonals
+        .filter(|(k, m)| *m > 0.0 && *k > 0.0)
+        .map(|(k, m)| k / m)
+        .fold(f64::INFINITY, f64::min);
+    if bound.is_finite() { FIRST_SHIFT * bound } else { 1.0 }
 }
 
 /// Compares the number of modes found below a gap in the spectrum with the Sturm count there.
