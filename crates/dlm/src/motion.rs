@@ -5,7 +5,7 @@ use crate::gaf::PointRule;
 use crate::lattice::{ControlSurface, Lattice};
 use crate::matrix::ComplexMatrix;
 
-/// Motion of every box in every mode. All arrays are [mode][box], flat, `mode * n_boxes + box`.
+/// Motion of every box in every mode. All arrays are `[mode][box]`, flat, `mode * n_boxes + box`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BoxMotion {
     /// Number of boxes.

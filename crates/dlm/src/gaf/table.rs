@@ -59,7 +59,7 @@ pub struct GeneralizedForceTable {
     pub geometry_hash: u128,
     /// Kernel used.
     pub kernel: Kernel,
-    /// Q [Mach number][k], each [row = force mode][column = displacement mode].
+    /// Q `[Mach number][k]`, each `[row = force mode][column = displacement mode]`.
     pub q: Vec<Vec<ComplexMatrix>>,
 }
 

@@ -1,8 +1,8 @@
 //! The kernel: normal wash at a point from a line of pressure doublets along a box's quarter chord.
 //!
 //! Landahl's form of the kernel, K1 T1 / r1^2 + K2 T2 / r1^4, with the steady part taken out (it is met exactly by a
-//! horseshoe vortex, [`steady`]) and the rest fitted by a polynomial along the doublet line ([`line_fit`]). The integrals
-//! I1 and I2 rest on a sum of exponentials ([`integrals`]). [`landahl`] evaluates it for many points at a time, [`assembly`]
+//! horseshoe vortex, `steady`) and the rest fitted by a polynomial along the doublet line (`line_fit`). The integrals
+//! I1 and I2 rest on a sum of exponentials (`integrals`). `landahl` evaluates it for many points at a time, `assembly`
 //! runs it all over the lattice.
 //!
 //! Sources: Albano and Rodden, AIAA J. 7(2) 1969; Rodden, Giesing and Kalman, AGARD CP-80-71 part II (1971) and J. Aircraft

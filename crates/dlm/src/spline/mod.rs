@@ -5,7 +5,7 @@
 //! transposed matrix, virtual work is the same on both sides whatever the spline; that rigid motions are reproduced (so that
 //! forces and moments are kept) is checked when a [`Transfer`] is built.
 //!
-//! Structural freedoms are [node][6]: translations, then rotations, in the axes of the lattice.
+//! Structural freedoms are `[node][6]`: translations, then rotations, in the axes of the lattice.
 
 mod beam;
 mod dense;
@@ -82,7 +82,7 @@ struct Part {
     at_force: Vec<f64>,
 }
 
-/// The splines of a model: structural freedoms [node][6] to motion of boxes, and forces on boxes back to the nodes.
+/// The splines of a model: structural freedoms `[node][6]` to motion of boxes, and forces on boxes back to the nodes.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Transfer {
     n_boxes: usize,
