@@ -4,11 +4,12 @@ use std::path::{Path, PathBuf};
 
 use crate::boundary_file::{self, BoundaryError};
 use crate::connect::{self, Options};
+use crate::face::{Face, Window};
 use crate::nmf::{self, NmfError};
 use crate::plot3d::{self, Encoding, Layout, Plot3dError};
 use crate::recipe::{self, RecipeError};
-use crate::reorient::turn_right_handed;
-use crate::topology::MultiBlock;
+use crate::reorient::{reorient, turn_right_handed};
+use crate::topology::{Condition, MultiBlock, Patch, Side};
 use crate::{metrics::hexahedron_volume, vtk};
 
 /// Why a file could not be opened or saved.
@@ -81,6 +82,7 @@ pub fn open(path: &Path, boundary: Option<&Path>) -> Result<Opened, FileError> {
         };
         notes.push(format!("conditions from {name}"));
     }
+    lay_across(&mut grid, &mut notes);
     let [lo, hi] = grid.bounds();
     let diagonal = crate::vector::distance(lo, hi);
     let options = Options {
@@ -107,6 +109,49 @@ pub fn open(path: &Path, boundary: Option<&Path>) -> Result<Opened, FileError> {
         }
     }
     Ok(Opened { grid, notes })
+}
+
+/// Grids one cell across: the crate's own have k across. Others (CFL3D has i) are renumbered, and sides that no condition
+/// names become symmetry planes.
+fn lay_across(grid: &mut MultiBlock, notes: &mut Vec<String>) {
+    let across = |axis: usize| grid.blocks.iter().all(|b| b.cells()[axis] == 1 && b.cell_count() > 1);
+    let Some(axis) = [2, 0, 1].into_iter().find(|&axis| across(axis)) else {
+        return;
+    };
+    if axis != 2 {
+        for n in 0..grid.blocks.len() {
+            reorient(grid, n, [(axis + 1) % 3, (axis + 2) % 3, axis], [false; 3]);
+        }
+        notes.push(format!(
+            "one cell across along {}: renumbered so that k is across",
+            ['i', 'j', 'k'][axis]
+        ));
+    }
+    let mut added = 0;
+    for n in 0..grid.blocks.len() {
+        for (face, name) in [(Face::KMin, "left"), (Face::KMax, "right")] {
+            let on = |side: Side| side.block == n && side.face == face;
+            let named = grid.topology.patches.iter().any(|p| on(p.side()))
+                || grid.topology.interfaces.iter().any(|i| on(i.a) || on(i.b));
+            if !named {
+                let window = Window::full(grid.blocks[n].face_cells(face));
+                let condition = Condition::Symmetry;
+                grid.topology.patches.push(Patch {
+                    name: name.into(),
+                    block: n,
+                    face,
+                    window,
+                    condition,
+                });
+                added += 1;
+            }
+        }
+    }
+    if added > 0 {
+        notes.push(format!(
+            "{added} sides of a grid one cell across had no condition: symmetry"
+        ));
+    }
 }
 
 fn describe(layout: &Layout, blocks: usize) -> String {

@@ -300,6 +300,48 @@ fn saving_and_opening_keeps_grid_and_topology() {
     assert_eq!(opened.grid.topology.interfaces.len(), grid.topology.interfaces.len());
 }
 
+/// CFL3D's two-dimensional grids have i across, those of the Turbulence Modeling Resource come as text with two planes.
+#[test]
+fn two_dimensional_grids_of_other_programs_open_with_k_across() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("cfl3d.xyz");
+    let made = recipe::make(std::path::Path::new(concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/../../meshes/naca0012_c.toml"
+    )))
+    .unwrap();
+    let turned: Vec<_> = made
+        .blocks
+        .iter()
+        .map(|b| b.reoriented([2, 0, 1], [false; 3]))
+        .collect();
+    for encoding in [
+        Encoding::Ascii,
+        Encoding::Records {
+            big_endian: true,
+            marker: 4,
+        },
+    ] {
+        plot3d::write(
+            &path,
+            &turned,
+            &[],
+            Layout {
+                encoding,
+                ..Layout::default()
+            },
+        )
+        .unwrap();
+        let mut opened = file::open(&path, None).unwrap();
+        dip_grid::connect::fill_rest(&mut opened.grid, "rest", Condition::Wall);
+        assert!(opened.grid.is_two_dimensional());
+        assert_eq!(opened.grid.blocks[0].x, made.blocks[0].x);
+        // The wake is found, and only the wake.
+        assert_eq!(opened.grid.topology.interfaces, made.topology.interfaces);
+        assert!(quality::check(&opened.grid).is_good());
+    }
+}
+
 #[test]
 fn paraview_files_hold_every_value() {
     let folder = tempfile::tempdir().unwrap();
@@ -312,7 +354,7 @@ fn paraview_files_hold_every_value() {
         values,
     };
     let path = folder.path().join("g.vtm");
-    vtk::write(&path, &grid, &[field.clone()]).unwrap();
+    vtk::write(&path, &grid, std::slice::from_ref(&field)).unwrap();
     let bytes = std::fs::read(folder.path().join("g/0.vts")).unwrap();
     let start = bytes.windows(2).position(|w| w == b"\n_").unwrap() + 2;
     let word = |at: usize| u64::from_le_bytes(bytes[start + at..start + at + 8].try_into().unwrap());
@@ -373,7 +415,12 @@ fn mutated() -> impl Strategy<Value = Vec<u8>> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 3000, failure_persistence: None, ..ProptestConfig::default() })]
+    // More cases for a long search: DIP_FUZZ_CASES=10000000.
+    #![proptest_config(ProptestConfig {
+        cases: std::env::var("DIP_FUZZ_CASES").ok().and_then(|n| n.parse().ok()).unwrap_or(3000),
+        failure_persistence: None,
+        ..ProptestConfig::default()
+    })]
 
     #[test]
     fn damaged_plot3d_files_never_panic(bytes in mutated()) {

@@ -109,10 +109,11 @@ impl AerofoilGrid {
         if blunt {
             // Open the closed section again: each surface is turned about the nose by its share of the gap. Away from
             // the wall only lines ever closer to the trailing edge take part.
+            let closed = nodes[..=ni].to_vec();
             for j in 0..=self.normal {
                 for (i, share) in share.iter().enumerate() {
                     let n = i + (ni + 1) * j;
-                    let wall = nodes[i];
+                    let wall = closed[i];
                     let d = (nodes[n][0] - wall[0]).hypot(nodes[n][1] - wall[1]);
                     nodes[n][1] += 0.5 * gap * share.signum() * (share * share).powf(1.0 + 3.0 * d);
                 }
