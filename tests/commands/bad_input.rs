@@ -86,7 +86,7 @@ fn overlapping_surfaces() {
         "[spline]",
         "[[lattice.surface]]\nwing = \"wing.toml\"\nchordwise = 4\nspanwise = 5\n\n[spline]",
     );
-    case.run("dlm", &["flutter", "flutter.toml"]).exits(2).says(&["flutter.toml:", "overlap"]);
+    case.run("dlm", &["flutter", "flutter.toml"]).exits(2).says(&["flutter.toml:", "on top of each other"]);
 }
 
 #[test]
@@ -128,8 +128,16 @@ fn too_few_frequencies_for_the_shapes() {
 fn densities_that_do_not_fit_the_mach_numbers() {
     let case = CaseFolder::small();
     case.edit("flutter.toml", "mach = [0.678]", "mach = [0.678, 0.901]");
-    let at = line(&case, "flutter.toml", "densities");
+    let at = line(&case, "flutter.toml", "densities = [");
     case.run("dlm", &["flutter", "flutter.toml"]).exits(2).says(&[&at, "1 densities for 2 Mach numbers"]);
+}
+
+#[test]
+fn methods_that_cannot_be_matched() {
+    let case = CaseFolder::small();
+    case.edit("flutter.toml", "densities = [\"0.20821 kg/m^3\"]", "search = \"matched-point\"");
+    let at = line(&case, "flutter.toml", "methods");
+    case.run("dlm", &["flutter", "flutter.toml"]).exits(2).says(&[&at, "matched point"]);
 }
 
 #[test]
@@ -153,7 +161,7 @@ fn box_rules_broken_is_a_warning_and_exit_code_3() {
     let case = CaseFolder::small();
     let run = case.run("dlm", &["flutter", "flutter.toml", "--set", "lattice.chordwise=40", "--set", "lattice.spanwise=2"]);
     let run = run.exits(3);
-    assert!(run.stderr.contains("aspect"), "{}", run.stderr);
+    assert!(run.stderr.contains("wider than 10 chords"), "{}", run.stderr);
     assert!(run.stdout.contains("0.678"), "the results are printed all the same: {}", run.stdout);
 }
 

@@ -87,7 +87,7 @@ fn generalized_forces_are_listed() {
 #[test]
 fn a_matched_point_lies_on_the_atmosphere() {
     let case = CaseFolder::small();
-    // Twice as stiff a wing fluters below 0 m; the AGARD wing is soft enough to flutter inside the atmosphere.
+    case.edit("flutter.toml", "methods = [\"pk\", \"k\", \"ke\", \"g\"]", "methods = [\"pk\", \"g\"]");
     case.edit("flutter.toml", "densities = [\"0.20821 kg/m^3\"]", "search = \"matched-point\"");
     let run = case.run("dlm", &["flutter", "flutter.toml", "--out", "out", "--json"]).exits(0);
     let summary: serde_json::Value = serde_json::from_str(&run.stdout).unwrap();
