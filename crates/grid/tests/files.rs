@@ -144,6 +144,8 @@ fn broken_grids_say_what_is_wrong() {
     nan.blocks[0].y[7] = f64::NAN;
     let bytes = plot3d::encode(&nan.blocks, &[], Layout::default()).unwrap();
     assert!(error(&bytes).contains("y of node (1, 1, 0)"), "{}", error(&bytes));
+    // Found by the search for panics below: a block one node thick along i.
+    assert!(error(b"1 1 2 3 0 1 0 1 0 1 0 0 1 1 2 2 0 0 0 0 0 1").contains("one node thick"));
     assert!(error(b"1\n3 3 3\n1.0 2.0 3.0").contains("truncated"));
     assert!(error(b"1\n99999999999 99999999999 99999999999\n1.0 2.0 3.0").contains("does not start with block sizes"));
 }

@@ -70,6 +70,12 @@ impl PlaneC<'_> {
             }
         };
         let exit = self.wake[tail];
+        // Lines must not move sideways faster than they rise.
+        let shift = plate_a[0]
+            .iter()
+            .zip(&plate_far[0])
+            .fold(0.0f64, |m, (near, far)| m.max((near - far).abs()));
+        let even = EVEN.max(1.5 * shift);
         let kept = last / self.stride;
         let rows = self.normal / self.stride;
         let mut nodes = vec![[0.0; 2]; (kept + 1) * (rows + 1)];
@@ -78,7 +84,7 @@ impl PlaneC<'_> {
             // Lines lean so that the last one, a = A sqrt(1 + (b/A)^2), is x = const in the plane of the parabola.
             // Away from the wall they spread evenly, so that the fine steps at the trailing edge stay there.
             let lean = |near: &[f64], far: &[f64], b: f64| {
-                let a = near[i] + (far[i] - near[i]) * b * b / (b * b + EVEN * EVEN);
+                let a = near[i] + (far[i] - near[i]) * b * b / (b * b + even * even);
                 a * (1.0 + (b / near[0]).powi(2)).sqrt()
             };
             let mapped = |b: f64| -> [f64; 2] {
@@ -158,7 +164,7 @@ impl PlaneC<'_> {
     }
 }
 
-/// Height (as b: the root of a distance in chords) at which lines are half way to being spread evenly.
+/// Least height (as b: the root of a distance in chords) at which lines are half way to being spread evenly.
 const EVEN: f64 = 1.2;
 
 /// The same monotone values with their steps evened out over an eighth of the line: a diffusion in the node number.

@@ -106,6 +106,20 @@ pub(super) fn sizes(integers: &[i64], three_d: bool) -> Option<Vec<Size>> {
         .collect()
 }
 
+/// Of blocks one node thick only those along k are understood as two-dimensional.
+fn thick_along_k(sizes: &[Size]) -> Result<(), String> {
+    match sizes.iter().position(|s| s[2] > 1 && (s[0] == 1 || s[1] == 1)) {
+        Some(n) => {
+            let [i, j, k] = sizes[n];
+            Err(format!(
+                "block {} has {i} x {j} x {k} nodes; a block one node thick must be so along k",
+                n + 1
+            ))
+        }
+        None => Ok(()),
+    }
+}
+
 pub(super) fn nodes(size: Size) -> usize {
     size[0] * size[1] * size[2]
 }
@@ -145,6 +159,7 @@ fn ascii(numbers: &[f64]) -> Result<Grid, String> {
         let left = numbers.len() - start;
         for iblank in [false, true] {
             if left == reals.saturating_add(if iblank { total } else { 0 }) {
+                thick_along_k(&sizes)?;
                 let layout = Layout {
                     encoding: Encoding::Ascii,
                     double: true,
@@ -273,9 +288,7 @@ fn unformatted(all: &[Vec<&[u8]>], order: Order, marker: usize) -> Result<Grid, 
         for (double, iblank) in VARIANTS {
             let fits = |(n, &s): (usize, &Size)| block_bytes(s, three_d, double, iblank) == Some(found(n));
             if sizes.iter().enumerate().all(fits) {
-                if sizes.iter().any(|s| s[2] > 1 && (s[0] == 1 || s[1] == 1)) {
-                    return Err("a 3-D block one node thick must be thick along k".into());
-                }
+                thick_along_k(&sizes)?;
                 let layout = Layout {
                     encoding,
                     double,
@@ -366,7 +379,7 @@ fn stream(bytes: &[u8], order: Order, fits: &mut Vec<Grid>) {
         let Some((sizes, start)) = stream_header(bytes, order, multi, three_d) else {
             continue;
         };
-        if sizes.iter().any(|s| s[2] > 1 && (s[0] == 1 || s[1] == 1)) {
+        if thick_along_k(&sizes).is_err() {
             continue;
         }
         for (double, iblank) in VARIANTS {
