@@ -1,6 +1,6 @@
 //! Why a deck that was read cannot be solved.
 
-use dip_dlm::{aic::AicError, lattice::LatticeError, spline::SplineError};
+use dip_dlm::{aic::AicError, lattice::LatticeError};
 use dip_flutter::FlutterError;
 use dip_modal::{EigenError, ModelError};
 use dip_nastran::{DeckErrors, Location};
@@ -51,14 +51,6 @@ pub enum SolveError {
     /// The aerodynamics.
     #[error("aerodynamics: {0}")]
     Aerodynamics(#[from] AicError),
-    /// A spline.
-    #[error("{at}: {source}")]
-    Spline {
-        /// The spline's card.
-        at: Location,
-        /// What is wrong.
-        source: SplineError,
-    },
     /// The flutter solution.
     #[error("flutter: {0}")]
     Flutter(#[from] FlutterError),

@@ -1,5 +1,7 @@
 //! The FLUTTER card's request: which conditions, which interpolation, and the rows of the summary.
 
+use std::collections::BTreeMap;
+
 use dip_dlm::c64;
 use dip_flutter::{
     CrossingKind, Direction, Extension, FlutterProblem, FlutterSolution, Interpolation, Method, Settings, Structure,
@@ -349,13 +351,7 @@ impl Problem<'_> {
                     }),
                 }
             }
-            warnings.extend(
-                solution
-                    .warnings
-                    .iter()
-                    .map(|w| describe(w, vref, self.greatest_k()))
-                    .filter(|w| !w.is_empty()),
-            );
+            warnings.extend(describe_all(&solution.warnings, vref, self.greatest_k()));
         }
         points.retain(|p| flutter.roots.is_none_or(|n| p.number <= n));
         points.sort_by_key(|p| p.number);
@@ -390,12 +386,7 @@ impl Problem<'_> {
             solution.method.is_p_method() || (c.freq_hz > least_hz && c.speed_m_s > 0.0 && c.residual_g.abs() < 1e-4)
         };
         let phantoms = solution.crossings.iter().filter(|c| !is_real(c)).count();
-        let mut warnings: Vec<String> = solution
-            .warnings
-            .iter()
-            .map(|w| describe(w, vref, self.greatest_k()))
-            .filter(|w| !w.is_empty())
-            .collect();
+        let mut warnings = describe_all(&solution.warnings, vref, self.greatest_k());
         if phantoms > 0 {
             warnings.push(format!(
                 "{phantoms} changes of sign of the damping of rigid-body or overdamped roots are no crossings and are left out; see PK"
@@ -476,12 +467,31 @@ fn between_rows(point: &Point) -> Vec<Crossing> {
         .collect()
 }
 
-/// The solver's warnings in words; empty for what is no matter of concern in a deck.
-fn describe(warning: &dip_flutter::Warning, vref: f64, greatest_k: f64) -> String {
+/// The solver's warnings in words. Doubts about a mode's identity, which may be many, make one line a mode.
+fn describe_all(warnings: &[dip_flutter::Warning], vref: f64, greatest_k: f64) -> Vec<String> {
+    let mut doubts: BTreeMap<usize, usize> = BTreeMap::new();
+    let mut words = Vec::new();
+    for warning in warnings {
+        if let dip_flutter::Warning::LowConfidence { mode, .. } = warning {
+            *doubts.entry(*mode).or_default() += 1;
+        } else {
+            words.extend(describe(warning, vref, greatest_k));
+        }
+    }
+    words.extend(
+        doubts
+            .iter()
+            .map(|(mode, count)| format!("mode {mode}: its identity is uncertain at {count} conditions")),
+    );
+    words
+}
+
+/// One warning in words; none for what is no matter of concern in a deck.
+fn describe(warning: &dip_flutter::Warning, vref: f64, greatest_k: f64) -> Option<String> {
     use dip_flutter::Warning as W;
-    match warning {
+    let words = match warning {
         // Below the least k both interpolations go on to k = 0, which real roots need.
-        W::OutOfRange { k_maximum, .. } if *k_maximum <= greatest_k => String::new(),
+        W::OutOfRange { k_maximum, .. } if *k_maximum <= greatest_k => return None,
         W::OutOfRange {
             mode,
             points,
@@ -490,13 +500,7 @@ fn describe(warning: &dip_flutter::Warning, vref: f64, greatest_k: f64) -> Strin
         } => format!(
             "mode {mode}: {points} points lie outside the reduced frequencies of the MKAERO cards (k {k_minimum:.4} to {k_maximum:.4})"
         ),
-        W::LowConfidence {
-            mode,
-            parameter,
-            confidence,
-        } => {
-            format!("mode {mode}: its identity is uncertain near {parameter:.6} (confidence {confidence:.2})")
-        }
+        W::LowConfidence { .. } => return None,
         W::Lost { mode, parameter } => format!("mode {mode}: no root beyond {:.6}", parameter / vref),
         W::ExtraRoot { mode, parameter } => {
             format!(
@@ -509,5 +513,6 @@ fn describe(warning: &dip_flutter::Warning, vref: f64, greatest_k: f64) -> Strin
             parameter / vref
         ),
         W::UnstableAtStart { mode } => format!("mode {mode}: unstable at the first velocity of the list"),
-    }
+    };
+    Some(words)
 }

@@ -25,7 +25,7 @@ use std::fmt::Write;
 
 use dip_dlm::lattice::PlaneSymmetry;
 use dip_modal::Modes;
-use dip_nastran::{Deck, Note, Severity, case_control::Subcase};
+use dip_nastran::{Deck, Note, Severity, case_control::Subcase, modes::ModeTable};
 
 pub use error::{Result, SolveError};
 
@@ -129,6 +129,18 @@ struct Done {
 /// # Errors
 /// What is missing or does not fit, with file and line where it stands on one.
 pub fn solve(deck: &Deck) -> Result<Solution> {
+    solve_from(deck, None)
+}
+
+/// Solves a deck with modes from a file instead of its own structure; SPC, MPC and METHOD have no effect then.
+///
+/// # Errors
+/// As [`solve`], and points of the modes that the deck does not have.
+pub fn solve_with_modes(deck: &Deck, modes: &ModeTable) -> Result<Solution> {
+    solve_from(deck, Some(modes))
+}
+
+fn solve_from(deck: &Deck, file: Option<&ModeTable>) -> Result<Solution> {
     let bulk = &deck.bulk;
     let mut notes = deck.notes.clone();
     if let Some((number, at)) = &deck.control.solution
@@ -178,7 +190,7 @@ pub fn solve(deck: &Deck) -> Result<Solution> {
         let place = match done.iter().position(|d| same(&d.subcase, subcase, &all)) {
             Some(place) => place,
             None => {
-                done.push(prepare(deck, &geometry, subcase, &mut notes)?);
+                done.push(prepare(deck, &geometry, subcase, file, &mut notes)?);
                 done.len() - 1
             }
         };
@@ -211,7 +223,13 @@ pub fn solve(deck: &Deck) -> Result<Solution> {
 }
 
 /// Modes and generalized forces of a subcase.
-fn prepare(deck: &Deck, geometry: &Geometry, subcase: &Subcase, notes: &mut Vec<Note>) -> Result<Done> {
+fn prepare(
+    deck: &Deck,
+    geometry: &Geometry,
+    subcase: &Subcase,
+    file: Option<&ModeTable>,
+    notes: &mut Vec<Note>,
+) -> Result<Done> {
     let bulk = &deck.bulk;
     if bulk.mach_k.is_empty() {
         return Err(SolveError::Missing {
@@ -219,8 +237,13 @@ fn prepare(deck: &Deck, geometry: &Geometry, subcase: &Subcase, notes: &mut Vec<
         });
     }
     let aero = AeroModel::new(bulk, geometry, subcase, notes)?;
-    let model = structure::model(bulk, geometry, subcase, notes)?;
-    let modes = modes::normal_modes(bulk, &model, subcase, notes)?;
+    let modes = match file {
+        Some(table) => modes::modes_of_file(bulk, geometry, table)?,
+        None => {
+            let model = structure::model(bulk, geometry, subcase, notes)?;
+            modes::normal_modes(bulk, &model, subcase, notes)?
+        }
+    };
     let used = modes::used(bulk, &modes)?;
     let forces = aero.generalized_forces(&used, &bulk.mach_k)?;
     Ok(Done {

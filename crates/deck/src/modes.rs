@@ -1,14 +1,16 @@
 //! Normal modes that a subcase asks for, and those of them that flutter uses.
 
-use dip_modal::{Model, Modes, ModesRequest, NodeDof, Normalization};
+use dip_modal::{ModeNode, Model, Modes, ModesRequest, NodeDof, Normalization};
 use dip_nastran::{
     Note, Severity,
     bulk::Bulk,
     cards::control::{ModesRequest as DeckRequest, Normalization as DeckNormalization},
     case_control::Subcase,
+    modes::ModeTable,
 };
 
 use crate::{
+    coordinate::Geometry,
     error::{Result, SolveError, misfit, missing},
     structure::selected,
 };
@@ -116,6 +118,47 @@ fn keep(modes: &Modes, range: std::ops::Range<usize>) -> Modes {
         generalized_mass: part(&modes.generalized_mass),
         residual: part(&modes.residual),
     }
+}
+
+/// Modes of a file as the deck's grid points have them: displacements in each point's system.
+///
+/// # Errors
+/// Points that the deck does not have.
+pub fn modes_of_file(bulk: &Bulk, geometry: &Geometry, table: &ModeTable) -> Result<Modes> {
+    let mut nodes = Vec::with_capacity(table.points.len());
+    for id in &table.points {
+        let (position, frame) = match (bulk.grids.get(id), geometry.grid(*id)) {
+            (Some(grid), Some(position)) => {
+                let frame = geometry
+                    .frame(grid.cd)
+                    .ok_or_else(|| missing(&grid.at, format!("GRID {id}"), "coordinate system", grid.cd))?;
+                (position, frame.directions(position))
+            }
+            _ if bulk.scalar_points.contains(id) => (nalgebra::Vector3::zeros(), nalgebra::Matrix3::identity()),
+            _ => {
+                return Err(SolveError::Missing {
+                    what: format!(
+                        "has no GRID {id}, which the mode file holds; deck and mode file must be of one model"
+                    ),
+                });
+            }
+        };
+        nodes.push(ModeNode {
+            id: *id,
+            position,
+            frame,
+        });
+    }
+    let count = table.shapes.len().min(table.eigenvalues.len());
+    let eigenvalues = &table.eigenvalues[..count];
+    Ok(Modes {
+        nodes,
+        shapes: table.shapes[..count].to_vec(),
+        omega_rad_s: eigenvalues.iter().map(|e| e.eigenvalue.max(0.0).sqrt()).collect(),
+        // Punch files do not give it; modes are normalized by mass unless the deck asks otherwise.
+        generalized_mass: eigenvalues.iter().map(|e| e.generalized_mass.unwrap_or(1.0)).collect(),
+        residual: Vec::new(),
+    })
 }
 
 /// The modes that flutter uses: PARAM LMODES, or LFREQ to HFREQ, or all.

@@ -4,8 +4,8 @@ use std::collections::{BTreeMap, BTreeSet, HashMap};
 
 use dip_modal::{
     AverageElement, Bar, BarSection, DirectTerm, DofSet, Elasticity, Equation, GeneralElement, GeneralMatrix, Layup,
-    MassForm, Material, MaterialAxis, Model, Node, NodeDof, NodeMass, RigidElement, ScalarElement, Shell, ShellNodes,
-    ShellSection, ShellThickness,
+    MassForm, Material, MaterialAxis, Model, Node, NodeDof, NodeMass, Ply, RigidElement, ScalarElement, Shell,
+    ShellNodes, ShellSection, ShellThickness,
 };
 use dip_nastran::{
     Components, Dof, Location, Note, Severity,
@@ -14,7 +14,7 @@ use dip_nastran::{
         constraint,
         element::{MaterialDirection, Orientation, RodSectionRef, Scalar, ScalarValue},
         mass::MassSystem,
-        property::{ElasticLaw, RodSection, ScalarProperty, ShellSection as DeckShellSection},
+        property::{ElasticLaw, Laminate, RodSection, ScalarProperty, ShellSection as DeckShellSection},
     },
     case_control::Subcase,
 };
@@ -263,23 +263,34 @@ impl Builder<'_> {
             let section = self.shell_section(section)?;
             self.model.shell_sections.push(section);
         }
+        for laminate in bulk.laminates.values() {
+            if places.insert(laminate.id, self.model.shell_sections.len()).is_some() {
+                return Err(misfit(
+                    &laminate.at,
+                    format!("PCOMP {}", laminate.id),
+                    "a PSHELL has the same number",
+                ));
+            }
+            let section = self.laminate(laminate)?;
+            self.model.shell_sections.push(section);
+        }
         for shell in bulk.shells.values() {
             let name = if shell.grids.len() == 3 { "CTRIA3" } else { "CQUAD4" };
             let card = || format!("{name} {}", shell.id);
-            let (Some(&section), Some(property)) =
-                (places.get(&shell.property), bulk.shell_sections.get(&shell.property))
-            else {
-                return Err(missing(&shell.at, card(), "PSHELL", shell.property));
-            };
+            let section = *places
+                .get(&shell.property)
+                .ok_or_else(|| missing(&shell.at, card(), "PSHELL or PCOMP", shell.property))?;
+            let given = bulk.shell_sections.get(&shell.property).map(|p| p.thickness);
+            let (has_plies, default_thickness) = (given.is_none(), given.flatten());
             for grid in &shell.grids {
                 self.grid(*grid, &shell.at, &card)?;
             }
-            let thickness = if shell.thickness.iter().all(Option::is_none) {
-                if property.thickness.is_none() {
+            let thickness = if has_plies || shell.thickness.iter().all(Option::is_none) {
+                if default_thickness.is_none() && !has_plies {
                     return Err(misfit(
                         &shell.at,
                         card(),
-                        format!("neither it nor PSHELL {} gives a thickness", property.id),
+                        format!("neither it nor PSHELL {} gives a thickness", shell.property),
                     ));
                 }
                 ShellThickness::Section
@@ -287,11 +298,11 @@ impl Builder<'_> {
                 let mut corners = [0.0; 4];
                 for (corner, given) in corners.iter_mut().zip(&shell.thickness) {
                     let scale = if shell.relative_thickness {
-                        property.thickness.unwrap_or(0.0)
+                        default_thickness.unwrap_or(0.0)
                     } else {
                         1.0
                     };
-                    *corner = match (given, property.thickness) {
+                    *corner = match (given, default_thickness) {
                         (Some(t), _) => t * scale,
                         (None, Some(t)) => t,
                         (None, None) => return Err(misfit(&shell.at, card(), "needs a thickness at every corner")),
@@ -372,6 +383,38 @@ impl Builder<'_> {
                 bending_ratio: section.bending_ratio,
                 shear,
                 shear_ratio: section.shear_ratio,
+            },
+        })
+    }
+
+    fn laminate(&self, laminate: &Laminate) -> Result<ShellSection> {
+        let card = || format!("PCOMP {}", laminate.id);
+        let plies = laminate
+            .plies
+            .iter()
+            .map(|ply| {
+                let material = self
+                    .bulk
+                    .materials
+                    .get(&ply.material)
+                    .ok_or_else(|| missing(&laminate.at, card(), "MAT1, MAT2 or MAT8", ply.material))?;
+                Ok(Ply {
+                    material: Material {
+                        elasticity: elasticity(material.law),
+                        density: material.density,
+                    },
+                    thickness: ply.thickness,
+                    angle_rad: ply.angle_deg.to_radians(),
+                })
+            })
+            .collect::<Result<Vec<_>>>()?;
+        Ok(ShellSection {
+            id: laminate.id,
+            thickness: plies.iter().map(|p| p.thickness).sum(),
+            nonstructural_mass: laminate.nonstructural_mass,
+            layup: Layup::Plies {
+                plies,
+                bottom: laminate.bottom,
             },
         })
     }

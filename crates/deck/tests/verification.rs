@@ -2,9 +2,13 @@
 
 use std::path::{Path, PathBuf};
 
-use dip_deck::{Solution, SolveError, flutter::Crossing, run, solve};
+use dip_deck::{Solution, SolveError, flutter::Crossing, run, solve, solve_with_modes};
 use dip_flutter::{CrossingKind, Direction};
-use dip_nastran::{Deck, cards::control::FlutterMethod};
+use dip_nastran::{
+    Deck,
+    cards::control::FlutterMethod,
+    modes::{Eigenvalue, ModeTable},
+};
 
 fn data(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR"))
@@ -192,6 +196,68 @@ fn the_aerodynamic_system_may_lie_anywhere() {
     for kind in [CrossingKind::Flutter, CrossingKind::Divergence] {
         let (a, b) = (onset(&turned, 0, kind).velocity, onset(&base, 0, kind).velocity);
         assert!(close(a, b, 1e-6), "{kind:?}: {a} {b}");
+    }
+}
+
+#[test]
+fn modes_of_a_file_give_the_same_flutter_point() {
+    let own = run(data("swept_plate.bdf")).unwrap();
+    let modes = &own.subcases[0].modes;
+    let table = ModeTable {
+        eigenvalues: (0..modes.count())
+            .map(|m| Eigenvalue {
+                mode: m + 1,
+                eigenvalue: modes.omega_rad_s[m].powi(2),
+                freq_hz: modes.freq_hz(m),
+                generalized_mass: Some(modes.generalized_mass[m]),
+            })
+            .collect(),
+        points: modes.nodes.iter().map(|n| n.id).collect(),
+        shapes: modes.shapes.clone(),
+    };
+    // A deck with solid elements, which only its modes stand for.
+    let text = std::fs::read_to_string(data("swept_plate.bdf")).unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("solid.bdf");
+    std::fs::write(
+        &path,
+        text.replacen("ENDDATA", "CHEXA,900,1,1,2,3,4,5,6\n,7,8\nENDDATA", 1),
+    )
+    .unwrap();
+    assert!(Deck::read(&path).is_err());
+    let deck = Deck::read_without_structure(&path).unwrap();
+    let read = solve_with_modes(&deck, &table).unwrap();
+    let (a, b) = (
+        onset(&read, 0, CrossingKind::Flutter),
+        onset(&own, 0, CrossingKind::Flutter),
+    );
+    assert!(close(a.velocity, b.velocity, 1e-9) && close(a.freq_hz, b.freq_hz, 1e-9));
+}
+
+#[test]
+fn a_laminate_of_one_material_is_a_plate() {
+    let own = run(data("swept_plate.bdf")).unwrap();
+    let text = std::fs::read_to_string(data("swept_plate.bdf")).unwrap();
+    // The middle elements as four plies of the same aluminium, 0.041 thick in all, turned at random: isotropic all the same.
+    let mut laminated = String::new();
+    for line in text.lines() {
+        let number = line.get(8..16).and_then(|n| n.trim().parse::<u32>().ok()).unwrap_or(0);
+        if line.starts_with("CQUAD4") && (8..=21).contains(&number) {
+            laminated += &format!("{}2       {}\n", &line[..16], &line[24..]);
+        } else if line == "ENDDATA" {
+            laminated += "PCOMP,2,,,,,,,SYM\n,1,.01,0.,,1,.0105,30.\nENDDATA\n";
+        } else {
+            laminated += &format!("{line}\n");
+        }
+    }
+    let laminated = solve(&Deck::parse(&laminated, "deck", data("")).unwrap()).unwrap();
+    for mode in 0..4 {
+        let (a, b) = (
+            laminated.subcases[0].modes.omega_rad_s[mode],
+            own.subcases[0].modes.omega_rad_s[mode],
+        );
+        // The shear stiffness of laminate and plate is defined differently, and G is not E / (2 (1 + nu)) to all digits.
+        assert!(close(a, b, 2e-3), "{mode}: {a} {b}");
     }
 }
 

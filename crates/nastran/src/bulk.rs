@@ -17,7 +17,7 @@ use crate::{
         geometry::{Coordinate, CoordinateKind, Grid, GridDefaults},
         mass::{MassMatrix, PointMass},
         matrix::{DofMatrices, DofMatrix, PlainMatrices, PlainMatrix},
-        property::{BarSection, Material, RodSection, ScalarProperty, ShellSection},
+        property::{BarSection, Laminate, Material, RodSection, ScalarProperty, ShellSection},
     },
     entry::Entry,
     error::{DeckError, Location, Note, Severity},
@@ -38,6 +38,7 @@ pub struct Bulk {
     pub bar_sections: BTreeMap<u32, BarSection>,
     pub rod_sections: BTreeMap<u32, RodSection>,
     pub shell_sections: BTreeMap<u32, ShellSection>,
+    pub laminates: BTreeMap<u32, Laminate>,
     pub spring_values: BTreeMap<u32, ScalarProperty>,
     pub mass_values: BTreeMap<u32, ScalarProperty>,
     pub damper_values: BTreeMap<u32, ScalarProperty>,
@@ -119,7 +120,6 @@ const UNSUPPORTED: &[(&str, &str)] = &[
     ("PTUBE", "use PROD"),
     ("CSHEAR", "use CQUAD4 with a membrane material"),
     ("PSHEAR", "use PSHELL"),
-    ("PCOMP", "give membrane and bending matrices by PSHELL with MAT2"),
     ("PCOMPG", "give membrane and bending matrices by PSHELL with MAT2"),
     ("CQUAD8", "use CQUAD4"),
     ("CTRIA6", "use CTRIA3"),
@@ -179,23 +179,32 @@ const UNSUPPORTED: &[(&str, &str)] = &[
     ("CDAMP5", "use CDAMP2"),
 ];
 
+/// Whether an unsupported card belongs to the structure (and is not simply unknown).
+fn is_structural(name: &str) -> bool {
+    let known = READ.contains(&name) || UNSUPPORTED.iter().any(|(n, _)| *n == name);
+    known
+        && !["CAERO", "PAERO", "SPL", "SET", "AE"]
+            .iter()
+            .any(|aero| name.starts_with(aero))
+}
+
 /// Names that are read; used for the nearest-name hint.
 const READ: &[&str] = &[
     "GRID", "GRDSET", "SPOINT", "CORD1R", "CORD1C", "CORD1S", "CORD2R", "CORD2C", "CORD2S", "MAT1", "MAT2", "MAT8",
-    "PBAR", "PBARL", "PBEAM", "PROD", "PSHELL", "PELAS", "PMASS", "PDAMP", "BAROR", "BEAMOR", "CBAR", "CBEAM", "CROD",
-    "CONROD", "CQUAD4", "CTRIA3", "CELAS1", "CELAS2", "CELAS3", "CELAS4", "CMASS1", "CMASS2", "CMASS3", "CMASS4",
-    "CDAMP1", "CDAMP2", "CDAMP3", "CDAMP4", "GENEL", "CONM1", "CONM2", "RBE2", "RBAR", "RBE3", "MPC", "MPCADD", "SPC",
-    "SPC1", "SPCADD", "ASET", "ASET1", "OMIT", "OMIT1", "SUPORT", "SUPORT1", "EIGR", "EIGRL", "AERO", "AEROS",
-    "CAERO1", "CAERO2", "CAERO4", "PAERO1", "PAERO4", "AEFACT", "AELIST", "AESURF", "SET1", "SPLINE1", "SPLINE2",
-    "SPLINE4", "SPLINE5", "MKAERO1", "MKAERO2", "FLUTTER", "FLFACT", "TABDMP1", "PARAM", "DMI", "DMIG",
+    "PBAR", "PBARL", "PBEAM", "PROD", "PSHELL", "PCOMP", "PELAS", "PMASS", "PDAMP", "BAROR", "BEAMOR", "CBAR", "CBEAM",
+    "CROD", "CONROD", "CQUAD4", "CTRIA3", "CELAS1", "CELAS2", "CELAS3", "CELAS4", "CMASS1", "CMASS2", "CMASS3",
+    "CMASS4", "CDAMP1", "CDAMP2", "CDAMP3", "CDAMP4", "GENEL", "CONM1", "CONM2", "RBE2", "RBAR", "RBE3", "MPC",
+    "MPCADD", "SPC", "SPC1", "SPCADD", "ASET", "ASET1", "OMIT", "OMIT1", "SUPORT", "SUPORT1", "EIGR", "EIGRL", "AERO",
+    "AEROS", "CAERO1", "CAERO2", "CAERO4", "PAERO1", "PAERO4", "AEFACT", "AELIST", "AESURF", "SET1", "SPLINE1",
+    "SPLINE2", "SPLINE4", "SPLINE5", "MKAERO1", "MKAERO2", "FLUTTER", "FLFACT", "TABDMP1", "PARAM", "DMI", "DMIG",
 ];
 
 impl Bulk {
-    /// Reads all entries.
+    /// Reads all entries. With `structure_elsewhere` (modes from a file) elements that are not supported are only noted.
     ///
     /// # Errors
     /// Every entry that cannot be read or used.
-    pub fn read(entries: &[Entry], notes: &mut Vec<Note>) -> Result<Self, Vec<DeckError>> {
+    pub fn read(entries: &[Entry], structure_elsewhere: bool, notes: &mut Vec<Note>) -> Result<Self, Vec<DeckError>> {
         let sink = RefCell::new(Vec::new());
         let mut errors = Vec::new();
         let mut reader = Reader::default();
@@ -209,8 +218,13 @@ impl Bulk {
             }
         }
         for entry in entries {
-            if let Err(error) = reader.take(&Card::new(entry, &sink)) {
-                errors.push(error);
+            let card = Card::new(entry, &sink);
+            match reader.take(&card) {
+                Err(DeckError::Unsupported { .. }) if structure_elsewhere && is_structural(&entry.name) => {
+                    card.note(Severity::Ignored, "is not needed, since the modes come from a file");
+                }
+                Err(error) => errors.push(error),
+                Ok(()) => {}
             }
         }
         notes.extend(sink.into_inner());
@@ -270,6 +284,7 @@ numbered!(
     BarSection,
     RodSection,
     ShellSection,
+    Laminate,
     ScalarProperty,
     Bar,
     Rod,
@@ -339,6 +354,7 @@ impl Reader {
             "PBEAM" => put(&mut b.bar_sections, card, BarSection::read_beam(card)?),
             "PROD" => put(&mut b.rod_sections, card, RodSection::read(card)?),
             "PSHELL" => put(&mut b.shell_sections, card, ShellSection::read(card)?),
+            "PCOMP" => put(&mut b.laminates, card, Laminate::read(card)?),
             "PELAS" => put_all(&mut b.spring_values, card, ScalarProperty::read_springs(card)?),
             "PMASS" => put_all(&mut b.mass_values, card, ScalarProperty::read_pairs(card)?),
             "PDAMP" => put_all(&mut b.damper_values, card, ScalarProperty::read_pairs(card)?),

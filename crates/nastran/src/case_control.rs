@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use crate::{
+    cards::control::Parameter,
     error::{DeckError, Location, Note, Severity},
     source::Line,
 };
@@ -72,6 +73,8 @@ pub struct Control {
     pub solution: Option<(u32, Location)>,
     /// The subcases in order; one without number if the deck has none.
     pub subcases: Vec<Subcase>,
+    /// Parameters given in the case control section.
+    pub parameters: Vec<Parameter>,
 }
 
 /// Statements that select something that modes or flutter depend on.
@@ -343,12 +346,22 @@ fn case(lines: &[Line], control: &mut Control, notes: &mut Vec<Note>, errors: &m
                 into.settings.insert(full.to_owned(), setting);
             }
             Some("PARAM") => {
-                notes.push(Note {
-                    at: setting.at,
-                    card: "PARAM".to_owned(),
-                    severity: Severity::Warning,
-                    text: "a parameter in the case control section is not read; put it into the bulk data".to_owned(),
-                });
+                let mut words = text
+                    .split([',', '=', ' '])
+                    .filter(|w| !w.is_empty())
+                    .skip(1)
+                    .map(str::to_uppercase);
+                match (words.next(), words.next()) {
+                    (Some(name), Some(value)) => control.parameters.push(Parameter {
+                        name,
+                        value,
+                        at: setting.at,
+                    }),
+                    _ => errors.push(DeckError::Control {
+                        at: setting.at,
+                        what: "PARAM: needed a name and a value, as in PARAM,VREF,12.".to_owned(),
+                    }),
+                }
             }
             Some(full) if REFUSED.iter().any(|(n, _)| *n == full) => {
                 let what = REFUSED.iter().find(|(n, _)| *n == full).map_or("", |(_, w)| w);
@@ -442,6 +455,19 @@ mod tests {
         );
         assert_eq!(control.subcases[0].set("SPC").unwrap(), Some(1));
         assert_eq!(notes.len(), 2);
+    }
+
+    #[test]
+    fn parameters_may_stand_in_the_case_control_section() {
+        let (control, _, notes) = read("SOL 145\nCEND\nPARAM,VREF,12.\nBEGIN BULK\n");
+        assert_eq!(
+            (
+                control.parameters[0].name.as_str(),
+                control.parameters[0].value.as_str()
+            ),
+            ("VREF", "12.")
+        );
+        assert!(notes.is_empty());
     }
 
     #[test]

@@ -418,8 +418,7 @@ impl ControlSurface {
 /// The boxes that a spline moves.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum SplineBoxes {
-    /// The boxes of the rectangle of a panel whose opposite corners have these numbers (SPLINE1) or all from the first to
-    /// the last (SPLINE2).
+    /// The boxes of the rectangle of a panel whose first and last corner have these numbers.
     Range(u32, u32),
     /// The boxes of an AELIST.
     List(u32),

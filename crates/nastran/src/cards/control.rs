@@ -415,7 +415,7 @@ impl DampingTable {
 }
 
 /// A parameter: its value as text.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Parameter {
     /// Upper-case name.
     pub name: String,

@@ -1,4 +1,4 @@
-//! Properties and materials: PBAR, PBARL, PBEAM, PROD, PSHELL, PELAS, PMASS, PDAMP, MAT1, MAT2, MAT8.
+//! Properties and materials: PBAR, PBARL, PBEAM, PROD, PSHELL, PCOMP, PELAS, PMASS, PDAMP, MAT1, MAT2, MAT8.
 
 use crate::{
     error::{DeckError, Location, Severity},
@@ -306,6 +306,83 @@ impl ShellSection {
             shear: card.id_opt(5, "MID3")?,
             shear_ratio: card.real_or(6, "TS/T", 5.0 / 6.0)?,
             nonstructural_mass: card.real_or(7, "NSM", 0.0)?,
+            at: card.at(),
+        })
+    }
+}
+
+/// One ply of a laminate.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Ply {
+    /// Its material.
+    pub material: u32,
+    /// Its thickness.
+    pub thickness: f64,
+    /// Degrees from the element's material axis to the ply's axis 1.
+    pub angle_deg: f64,
+}
+
+/// A laminated shell.
+#[derive(Debug, Clone)]
+pub struct Laminate {
+    /// Its number.
+    pub id: u32,
+    /// Height of the bottom face over the points' plane; none is minus half the thickness.
+    pub bottom: Option<f64>,
+    /// Mass per area besides the plies'.
+    pub nonstructural_mass: f64,
+    /// Plies from the bottom face up, the mirrored half of a symmetric laminate included.
+    pub plies: Vec<Ply>,
+    /// Where it stands.
+    pub at: Location,
+}
+
+impl Laminate {
+    /// `PCOMP PID Z0 NSM SB FT TREF GE LAM / MID1 T1 THETA1 SOUT1 MID2 T2 THETA2 SOUT2 / ...`
+    ///
+    /// # Errors
+    /// Fields of the wrong kind or missing, no plies, options LAM other than SYM.
+    pub fn read(card: &Card) -> Result<Self> {
+        let symmetric = match card.text(7) {
+            "" => false,
+            "SYM" => true,
+            _ => return Err(card.wrong(7, "LAM", "blank or SYM", "")),
+        };
+        let mut plies: Vec<Ply> = Vec::new();
+        for i in (8..card.len()).step_by(4) {
+            if (i..i + 3).all(|j| !card.has(j)) {
+                continue;
+            }
+            // Material and thickness of a ply default to those of the one below.
+            let below = plies.last().copied();
+            let material = match (card.id_opt(i, "MID")?, below) {
+                (Some(id), _) => id,
+                (None, Some(ply)) => ply.material,
+                (None, None) => return Err(card.wrong(i, "MID1", "the number of a material", "")),
+            };
+            let thickness = match (card.real_opt(i + 1, "T")?, below) {
+                (Some(t), _) if t > 0.0 => t,
+                (None, Some(ply)) => ply.thickness,
+                _ => return Err(card.wrong(i + 1, "T", "a positive thickness", "")),
+            };
+            plies.push(Ply {
+                material,
+                thickness,
+                angle_deg: card.real_or(i + 2, "THETA", 0.0)?,
+            });
+        }
+        if plies.is_empty() {
+            return Err(card.error("needed at least one ply behind the first line"));
+        }
+        if symmetric {
+            let upper: Vec<Ply> = plies.iter().rev().copied().collect();
+            plies.extend(upper);
+        }
+        Ok(Self {
+            id: card.id(0, "PID")?,
+            bottom: card.real_opt(1, "Z0")?,
+            nonstructural_mass: card.real_or(2, "NSM", 0.0)?,
+            plies,
             at: card.at(),
         })
     }
