@@ -42,7 +42,7 @@ pub struct PlateTable {
     pub constant_thickness: Option<Length>,
     /// No thickness below this; for sections that close to nothing at their edges.
     pub minimum_thickness: Option<Length>,
-    /// Consistent or lumped mass.
+    /// Consistent or lumped mass, or the mean of both.
     pub mass: MassModel,
 }
 
@@ -66,6 +66,8 @@ pub enum MassModel {
     Consistent,
     /// Gathered at the nodes.
     Lumped,
+    /// The mean of both: their leading errors cancel on regular meshes.
+    Mean,
 }
 
 /// An orthotropic material; leave out `e2`, `g12` for an isotropic one.

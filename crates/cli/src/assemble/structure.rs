@@ -144,6 +144,7 @@ fn model(document: &Document, file: &StructureFile, wing: &Wing) -> Result<Model
     all.settings.mass = match plate.mass {
         MassModel::Consistent => MassForm::Consistent,
         MassModel::Lumped => MassForm::Lumped,
+        MassModel::Mean => MassForm::Mean,
     };
     Ok(all)
 }

@@ -81,7 +81,7 @@ pub fn run(args: &Args) -> Result<Done, Stop> {
     for warning in &warnings {
         tracing::warn!("{warning}");
     }
-    report::write(&folder, &study, &results, &table, &stamp, timer.seconds())?;
+    report::write(&folder, &study, &results, &points, &stamp, timer.seconds())?;
     folder.write("boundary.csv", table.csv().as_bytes())?;
     let summary = Summary {
         command: "dip compare",
@@ -140,41 +140,55 @@ fn compared(study: &Study, results: &[CurveResult]) -> Vec<Compared> {
     points
 }
 
-/// The table of the comparison.
+/// The table of all curves, for stdout and CSV.
 fn table(points: &[Compared]) -> Result<Table, Stop> {
-    let fixed = NumberFormat::Fixed;
-    let number = |name: &str, unit: &str, digits: usize| Column::number(name, unit, fixed(digits));
-    let mut table = Table::new(
-        "Flutter boundary beside experiment",
-        vec![
-            Column::text("curve"),
-            number("Mach", "", 3),
-            number("density", "kg/m\u{b3}", 5),
-            number("speed", "m/s", 2),
-            number("experiment", "m/s", 2),
-            number("frequency", "Hz", 2),
-            number("experiment", "Hz", 2),
-            number("FSI", "", 4),
-            number("experiment", "", 4),
-            number("error", "%", 1),
-            number("time", "s", 2),
-        ],
-    );
+    let mut columns = vec![Column::text("curve")];
+    columns.extend(columns_of_points());
+    let mut table = Table::new("Flutter boundary beside experiment", columns);
     for p in points {
-        let row: Vec<Cell> = vec![
-            p.curve.as_str().into(),
-            p.mach.into(),
-            p.density_kg_m3.into(),
-            p.flutter_speed_m_s.into(),
-            p.experiment_speed_m_s.into(),
-            p.flutter_frequency_hz.into(),
-            p.experiment_frequency_hz.into(),
-            p.flutter_speed_index.into(),
-            p.experiment_speed_index.into(),
-            p.speed_error_percent.into(),
-            p.time_s.into(),
-        ];
+        let mut row: Vec<Cell> = vec![p.curve.as_str().into()];
+        row.extend(cells_of_point(p));
         table.push(row).map_err(|e| crate::figures::drawing(&e))?;
     }
     Ok(table)
+}
+
+/// The table of one curve, narrow enough for a page.
+pub fn curve_table(curve: &str, points: &[Compared]) -> Result<Table, Stop> {
+    let mut table = Table::new(format!("{curve} beside experiment"), columns_of_points());
+    for p in points.iter().filter(|p| p.curve == curve) {
+        table.push(cells_of_point(p)).map_err(|e| crate::figures::drawing(&e))?;
+    }
+    Ok(table)
+}
+
+fn columns_of_points() -> Vec<Column> {
+    let number = |name: &str, unit: &str, digits: usize| Column::number(name, unit, NumberFormat::Fixed(digits));
+    vec![
+        number("Mach", "", 3),
+        number("\u{3c1}", "kg/m\u{b3}", 5),
+        number("U", "m/s", 2),
+        number("exp.", "m/s", 2),
+        number("f", "Hz", 2),
+        number("exp.", "Hz", 2),
+        number("FSI", "", 4),
+        number("exp.", "", 4),
+        number("error", "%", 1),
+        number("time", "s", 2),
+    ]
+}
+
+fn cells_of_point(p: &Compared) -> Vec<Cell> {
+    vec![
+        p.mach.into(),
+        p.density_kg_m3.into(),
+        p.flutter_speed_m_s.into(),
+        p.experiment_speed_m_s.into(),
+        p.flutter_frequency_hz.into(),
+        p.experiment_frequency_hz.into(),
+        p.flutter_speed_index.into(),
+        p.experiment_speed_index.into(),
+        p.speed_error_percent.into(),
+        p.time_s.into(),
+    ]
 }

@@ -1,5 +1,6 @@
 //! The report of a study: one self-contained HTML page, and its figures as SVG files beside it.
 
+use super::compare::{Compared, curve_table};
 use super::study::{CurveResult, Point, Study};
 use crate::exit::Stop;
 use crate::figures;
@@ -18,7 +19,7 @@ pub fn write(
     folder: &RunFolder,
     study: &Study,
     results: &[CurveResult],
-    table: &Table,
+    points: &[Compared],
     stamp: &Stamp,
     total: Seconds,
 ) -> Result<(), Stop> {
@@ -39,7 +40,12 @@ pub fn write(
     if let Some(text) = &study.file.description {
         summary.push(Block::Paragraph(text.clone()));
     }
-    summary.push(Block::Table(table.clone()));
+    for result in results {
+        summary.push(Block::Table(curve_table(&result.name, points)?));
+    }
+    summary.push(Block::Paragraph(
+        "\u{3c1} density, U flutter speed, f flutter frequency, FSI flutter speed index; exp. stands for experiment. The error is that of the speed index; the time is that of the point's generalized forces and flutter solution.".into(),
+    ));
     summary.push(figure(
         folder,
         "boundary",
