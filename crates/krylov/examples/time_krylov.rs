@@ -44,7 +44,11 @@ fn run<S: Storage>(cells: [usize; 3], name: &str) {
         best(n, || f.factor(&a).expect("dominant matrix")),
         14 * 25 * size,
     );
-    report("solve", best(n, || f.solve(&a, &r, &mut z)), 7 * 25 * size + 5 * (8 + size));
+    report(
+        "solve",
+        best(n, || f.solve(&a, &r, &mut z)),
+        7 * 25 * size + 5 * (8 + size),
+    );
     report(
         "product",
         best(n, || a.apply(&z, &mut y)),

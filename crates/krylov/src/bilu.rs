@@ -41,7 +41,10 @@ impl<S: Storage> Bilu<S> {
     /// Room for the pivots of a matrix of `cells` = [ni, nj, nk].
     #[must_use]
     pub fn zeros(cells: [usize; 3]) -> Self {
-        Self { cells, inverse: vec![S::default(); cells.iter().product::<usize>() * BLOCK + SPARE] }
+        Self {
+            cells,
+            inverse: vec![S::default(); cells.iter().product::<usize>() * BLOCK + SPARE],
+        }
     }
 
     /// Cells along i, j, k.

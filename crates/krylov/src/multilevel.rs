@@ -51,7 +51,11 @@ impl<S: Storage> LevelMatrix<S> {
             offsets.push(total);
             total += c.iter().product::<usize>();
         }
-        Self { blocks: cells.iter().map(|c| BlockMatrix::zeros(*c)).collect(), couplings, offsets }
+        Self {
+            blocks: cells.iter().map(|c| BlockMatrix::zeros(*c)).collect(),
+            couplings,
+            offsets,
+        }
     }
 
     /// Cells of all blocks.
@@ -66,16 +70,22 @@ impl<S: Storage> LevelMatrix<S> {
     /// If a vector is not 5 entries a cell.
     pub fn residual<R: Storage>(&self, r: &[R], z: &[S], out: &mut [S]) {
         assert_eq!(r.len(), self.cell_count() * VARIABLES, "right-hand side of a level");
-        split(out, &self.blocks).into_par_iter().zip(&self.blocks).zip(&self.offsets).for_each(
-            |((out, matrix), offset)| {
+        split(out, &self.blocks)
+            .into_par_iter()
+            .zip(&self.blocks)
+            .zip(&self.offsets)
+            .for_each(|((out, matrix), offset)| {
                 let range = offset * VARIABLES..offset * VARIABLES + out.len();
                 matrix.subtract_product(&r[range.clone()], &z[range], out);
-            },
-        );
+            });
         for c in &self.couplings {
             let matrix = &self.blocks[c.block as usize];
             let at = (c.cell as usize * matrix.directions() + c.direction as usize) * BLOCK;
-            let block = if c.upper { &matrix.upper[at..] } else { &matrix.lower[at..] };
+            let block = if c.upper {
+                &matrix.upper[at..]
+            } else {
+                &matrix.lower[at..]
+            };
             let row = (self.offsets[c.block as usize] + c.cell as usize) * VARIABLES;
             let mut y = zero_lanes::<S>();
             y[..VARIABLES].copy_from_slice(&out[row..row + VARIABLES]);
@@ -253,7 +263,11 @@ impl<S: Storage> Multilevel<S> {
 }
 
 fn smooth<S: Storage, R: Storage>(matrix: &LevelMatrix<S>, factors: &[Bilu<S>], r: &[R], z: &mut [S]) {
-    let work = split(z, &matrix.blocks).into_par_iter().zip(factors).zip(&matrix.blocks).zip(&matrix.offsets);
+    let work = split(z, &matrix.blocks)
+        .into_par_iter()
+        .zip(factors)
+        .zip(&matrix.blocks)
+        .zip(&matrix.offsets);
     work.for_each(|(((z, factor), block), offset)| {
         factor.solve(block, &r[offset * VARIABLES..offset * VARIABLES + z.len()], z);
     });
@@ -263,7 +277,9 @@ fn smooth<S: Storage, R: Storage>(matrix: &LevelMatrix<S>, factors: &[Bilu<S>], 
 /// convergent iteration of its own on stretched grids, and its second use amplifies what the Krylov method must then
 /// take out.)
 fn cycle<S: Storage, R: Storage>(levels: &mut [CycleLevel<S>], r: &[R], z: &mut [S]) {
-    let Some((level, coarser)) = levels.split_first_mut() else { return };
+    let Some((level, coarser)) = levels.split_first_mut() else {
+        return;
+    };
     let Some(next) = coarser.first_mut() else {
         smooth(&level.matrix, &level.factors, r, z);
         return;
@@ -307,7 +323,10 @@ impl<S: Storage> BlockMatrix<S> {
         let cells = self.cells();
         let [ni, nj, nk] = cells;
         let n = self.cell_count() * V;
-        assert!(r.len() == n && x.len() == n && out.len() == n, "vectors of the block residual");
+        assert!(
+            r.len() == n && x.len() == n && out.len() == n,
+            "vectors of the block residual"
+        );
         let stride = [1, ni, ni * nj];
         let mut cell = 0;
         for k in 0..nk {

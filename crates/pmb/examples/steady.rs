@@ -24,7 +24,18 @@ impl Observer for Print {
     fn progress(&mut self, p: &Progress) {
         eprintln!(
             "level {} step {:4}  CFL {:9.2e}  orders {:6.2}  CL {:10.6}  CD {:10.6}  CM {:10.6}  products {:3} ({:.0e})  part {:.2}  {:.2} s, {:.1} s left",
-            p.level, p.step, p.cfl, p.orders, p.cl, p.cd, p.cm, p.products, p.linear_reduction, p.part, p.seconds, p.seconds_left
+            p.level,
+            p.step,
+            p.cfl,
+            p.orders,
+            p.cl,
+            p.cd,
+            p.cm,
+            p.products,
+            p.linear_reduction,
+            p.part,
+            p.seconds,
+            p.seconds_left
         );
     }
     fn message(&mut self, text: &str) {
@@ -34,7 +45,9 @@ impl Observer for Print {
 
 fn naca0012(cells: &str) -> Result<MultiBlock, Box<dyn Error>> {
     let n: Vec<usize> = cells.split(',').map(str::parse).collect::<Result<_, _>>()?;
-    let [surface, normal, wake] = n[..] else { return Err("--aerofoil needs SURFACE,NORMAL,WAKE".into()) };
+    let [surface, normal, wake] = n[..] else {
+        return Err("--aerofoil needs SURFACE,NORMAL,WAKE".into());
+    };
     let fine = 128.0 / surface as f64;
     Ok(AerofoilGrid {
         kind: AerofoilKind::C,
@@ -93,10 +106,18 @@ fn main() -> Result<(), Box<dyn Error>> {
     }
     let cancel = AtomicBool::new(false);
     let result = steady::run(&settings, &grid, &mut Print, &cancel)?;
-    println!("stopped: {:?} after {} steps, {:.2} orders", result.stop, result.history.len(), result.orders);
+    println!(
+        "stopped: {:?} after {} steps, {:.2} orders",
+        result.stop,
+        result.history.len(),
+        result.orders
+    );
     println!("{:.0} bytes a cell in the large arrays", result.bytes_per_cell);
     let print = |name: &str, c: &dip_pmb::loads::Coefficients| {
-        println!("{name:<16} CL {:.6}  CD {:.6}  CY {:.6}  CM {:.6}", c.cl, c.cd, c.cy, c.cm);
+        println!(
+            "{name:<16} CL {:.6}  CD {:.6}  CY {:.6}  CM {:.6}",
+            c.cl, c.cd, c.cy, c.cm
+        );
     };
     for (name, c) in &result.loads.patches {
         print(name, c);

@@ -37,22 +37,37 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let boundaries: Vec<Boundary> = level
         .patches
         .iter()
-        .map(|p| if p.name == "zmin" { Boundary::Wall } else { Boundary::FarField(stream) })
+        .map(|p| {
+            if p.name == "zmin" {
+                Boundary::Wall
+            } else {
+                Boundary::FarField(stream)
+            }
+        })
         .collect();
     let scheme = Scheme::new(1.4, Reconstruction::VanAlbada, 1.0, n, level.planar, 0.8);
     let mut solver = Solver::new(Equations::new(level, scheme, boundaries, &stream)?);
-    let start: Vec<f64> =
-        solver.unknowns.iter().enumerate().map(|(m, w)| w * (1.0 + 0.02 * (m as f64 * 0.37).sin())).collect();
+    let start: Vec<f64> = solver
+        .unknowns
+        .iter()
+        .enumerate()
+        .map(|(m, w)| w * (1.0 + 0.02 * (m as f64 * 0.37).sin()))
+        .collect();
     solver.set(&start);
     let repetitions = if n > 1_000_000 { 3 } else { 15 };
     println!("{n} cells in {} blocks", grid.blocks.len());
     let mut r = vec![0.0; 5 * n];
     let report = |what: &str, us: f64| println!("{what:<34} {us:8.4} us/cell");
-    for (name, reconstruction) in
-        [("first order", Reconstruction::Constant), ("no limiter", Reconstruction::Unlimited), ("van Albada", Reconstruction::VanAlbada)]
-    {
+    for (name, reconstruction) in [
+        ("first order", Reconstruction::Constant),
+        ("no limiter", Reconstruction::Unlimited),
+        ("van Albada", Reconstruction::VanAlbada),
+    ] {
         let scheme = scheme.with(reconstruction);
-        report(&format!("residual, {name}"), best(n, repetitions, || solver.equations.residual_with(&scheme, &mut r)));
+        report(
+            &format!("residual, {name}"),
+            best(n, repetitions, || solver.equations.residual_with(&scheme, &mut r)),
+        );
     }
     solver.set_time_step(100.0);
     report("time step", best(n, repetitions, || solver.set_time_step(100.0)));
@@ -63,18 +78,36 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     };
     let mut one = Multilevel::<f32>::new(vec![shape]);
     let time = vec![1e-3; n];
-    report("Jacobian", best(n, repetitions, || solver.equations.jacobian(&time, &mut one.finest_mut().blocks)));
-    report("BILU(0) factors, f32", best(n, repetitions, || one.factor().expect("regular blocks")));
+    report(
+        "Jacobian",
+        best(n, repetitions, || {
+            solver.equations.jacobian(&time, &mut one.finest_mut().blocks);
+        }),
+    );
+    report(
+        "BILU(0) factors, f32",
+        best(n, repetitions, || one.factor().expect("regular blocks")),
+    );
     let mut z = vec![0.0_f32; 5 * n];
     report("BILU(0) solve, f32", best(n, repetitions, || one.solve(&r, &mut z)));
     drop(one);
-    report("build (Jacobian, all levels)", best(n, repetitions, || solver.build().expect("regular blocks")));
+    report(
+        "build (Jacobian, all levels)",
+        best(n, repetitions, || solver.build().expect("regular blocks")),
+    );
     let products = 20;
-    let settings = GcgSettings { tolerance: 1e-12, max_iterations: products, directions: products };
+    let settings = GcgSettings {
+        tolerance: 1e-12,
+        max_iterations: products,
+        directions: products,
+    };
     let us = best(n, repetitions.min(5), || {
         solver.solve(&settings).expect("no breakdown");
     });
     report("GCG iteration, mean of 20", us / products as f64);
-    println!("{:.0} bytes a cell with {products} directions", solver.bytes() as f64 / n as f64);
+    println!(
+        "{:.0} bytes a cell with {products} directions",
+        solver.bytes() as f64 / n as f64
+    );
     Ok(())
 }

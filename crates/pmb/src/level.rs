@@ -89,8 +89,9 @@ impl FaceSet {
             area: vec![0.0; n],
             speed: Vec::new(),
         };
-        for f in 0..n {
-            set.set_vector(f, [0, 1, 2].map(|d| sign * vectors[d][f]));
+        let [x, y, z] = vectors;
+        for (f, ((x, y), z)) in x.iter().zip(y).zip(z).enumerate() {
+            set.set_vector(f, [sign * x, sign * y, sign * z]);
         }
         set
     }
@@ -106,8 +107,8 @@ impl FaceSet {
     pub fn set_vector(&mut self, f: usize, s: [f64; 3]) {
         let area = (s[0] * s[0] + s[1] * s[1] + s[2] * s[2]).sqrt();
         self.area[f] = area;
-        for d in 0..3 {
-            self.normal[d][f] = if area > 0.0 { s[d] / area } else { 0.0 };
+        for (normal, s) in self.normal.iter_mut().zip(s) {
+            normal[f] = if area > 0.0 { s / area } else { 0.0 };
         }
     }
 
@@ -366,7 +367,12 @@ impl Level {
     pub fn couplings(&self) -> Vec<Coupling> {
         let mut out = Vec::new();
         for joint in &self.joints {
-            let there = dip_grid::Interface { a: joint.a, b: joint.b, orientation: joint.orientation, translation: None };
+            let there = dip_grid::Interface {
+                a: joint.a,
+                b: joint.b,
+                orientation: joint.orientation,
+                translation: None,
+            };
             for one in [there, there.reversed()] {
                 let (a, b) = (&self.blocks[one.a.block], &self.blocks[one.b.block]);
                 let place = |cells: [usize; 3], [i, j, k]: [usize; 3]| i + cells[0] * (j + cells[1] * k);
@@ -483,7 +489,7 @@ impl Level {
             .collect();
         let mut refuse = |block: usize, face: Face, window: &Window| {
             for (n, d) in face.directions().into_iter().enumerate() {
-                if window.lo[n] % 2 != 0 || window.hi[n] % 2 != 0 {
+                if !window.lo[n].is_multiple_of(2) || !window.hi[n].is_multiple_of(2) {
                     can[block][d] = false;
                 }
             }

@@ -95,8 +95,9 @@ impl WallGeometry {
                     for p in patch.window.lo[0]..patch.window.hi[0] {
                         let [i, j, k] = patch.face.ijk(set.count, p, q, 0);
                         area.push(set.vector(set.at(i, j, k)).map(|s| sign * s));
-                        let pressure =
-                            sides[patch.block][patch.face as usize].as_ref().map_or(stream, |s| s.pressure[p + s.size[0] * q]);
+                        let pressure = sides[patch.block][patch.face as usize]
+                            .as_ref()
+                            .map_or(stream, |s| s.pressure[p + s.size[0] * q]);
                         cp.push(2.0 * (pressure - stream));
                     }
                 }
@@ -125,7 +126,10 @@ pub fn face_centres(grid: &MultiBlock, patch: &LevelPatch, finest: &LevelPatch) 
         for p in 0..size[0] {
             let mut centre = [0.0; 3];
             for (a, b) in [(0, 0), (1, 0), (0, 1), (1, 1)] {
-                let node = [finest.window.lo[0] + (p + a) * step[0], finest.window.lo[1] + (q + b) * step[1]];
+                let node = [
+                    finest.window.lo[0] + (p + a) * step[0],
+                    finest.window.lo[1] + (q + b) * step[1],
+                ];
                 let point = block.point_at(block.node_behind(patch.face, node[0], node[1], 0));
                 for d in 0..3 {
                     centre[d] += 0.25 * point[d];
@@ -172,7 +176,10 @@ pub fn integrate(walls: &[WallPatch], flow: &FlowSettings, reference: &Reference
     }
     Loads {
         total: coefficients(total.0, total.1),
-        patches: sums.into_iter().map(|(name, (f, m))| (name, coefficients(f, m))).collect(),
+        patches: sums
+            .into_iter()
+            .map(|(name, (f, m))| (name, coefficients(f, m)))
+            .collect(),
     }
 }
 
@@ -191,8 +198,18 @@ pub struct CpCut {
 /// interpolated between them; on a grid one cell across every face is taken.
 #[must_use]
 pub fn cut(walls: &[WallPatch], y: f64, planar: bool) -> CpCut {
-    let mut out = CpCut { y, upper: Vec::new(), lower: Vec::new() };
-    let mut put = |point: [f64; 3], up: bool| if up { out.upper.push(point) } else { out.lower.push(point) };
+    let mut out = CpCut {
+        y,
+        upper: Vec::new(),
+        lower: Vec::new(),
+    };
+    let mut put = |point: [f64; 3], up: bool| {
+        if up {
+            out.upper.push(point);
+        } else {
+            out.lower.push(point);
+        }
+    };
     for wall in walls {
         let [np, nq] = wall.size;
         // A body's upper side has its area vector (into the body) pointing down.

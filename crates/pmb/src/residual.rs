@@ -228,16 +228,16 @@ impl<G: Gas, const ORDER: u8> Rows<'_, G, ORDER> {
         let size = self.block.layout.size;
         let zero = T::splat(0.0);
         let mut cells = [[zero; VARIABLES]; 4];
+        let [a, b, c, d] = &mut cells;
         for v in 0..VARIABLES {
             let w = &self.w[v * size..(v + 1) * size];
             if ORDER > 0 {
-                cells[0][v] = T::load(w, right - 2 * stride);
-                cells[3][v] = T::load(w, right + stride);
+                a[v] = T::load(w, right - 2 * stride);
+                d[v] = T::load(w, right + stride);
             }
-            cells[1][v] = T::load(w, right - stride);
-            cells[2][v] = T::load(w, right);
+            b[v] = T::load(w, right - stride);
+            c[v] = T::load(w, right);
         }
-        let [a, b, c, d] = &cells;
         let (left, right) = match ORDER {
             0 => (*b, *c),
             1 => {

@@ -29,6 +29,12 @@ pub struct Snapshot {
     pub step: usize,
     /// Steps on this level.
     pub level_step: usize,
+    /// Constant of the limiter.
+    pub limiter_constant: f64,
+    /// Most orders reached on this level so far.
+    pub best: Option<f64>,
+    /// Steps since then.
+    pub since_best: usize,
     /// CFL number of the next step.
     pub cfl: f64,
     /// Linear tolerance's memory: residual norm before the last step.
@@ -71,7 +77,10 @@ impl Snapshot {
     /// # Errors
     /// [`FlowError::Io`]: the old file is then untouched.
     pub fn write(&self, path: &Path) -> Result<(), FlowError> {
-        let io = |source| FlowError::Io { path: path.display().to_string(), source };
+        let io = |source| FlowError::Io {
+            path: path.display().to_string(),
+            source,
+        };
         let mut name = path.file_name().unwrap_or_default().to_owned();
         name.push(".part");
         let part = path.with_file_name(name);
@@ -84,7 +93,10 @@ impl Snapshot {
         // The rename itself must reach the disk; directories can be synced on Unix only.
         #[cfg(unix)]
         {
-            let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
+            let folder = path
+                .parent()
+                .filter(|p| !p.as_os_str().is_empty())
+                .unwrap_or(Path::new("."));
             File::open(folder).and_then(|f| f.sync_all()).map_err(io)?;
         }
         Ok(())
@@ -92,7 +104,10 @@ impl Snapshot {
 
     fn write_to(&self, part: &Path) -> std::io::Result<()> {
         let header = serde_json::to_vec(self)?;
-        let mut out = Checked { inner: BufWriter::new(File::create(part)?), sum: FNV_START };
+        let mut out = Checked {
+            inner: BufWriter::new(File::create(part)?),
+            sum: FNV_START,
+        };
         out.write_all(MAGIC)?;
         out.write_all(&(header.len() as u64).to_le_bytes())?;
         out.write_all(&header)?;
@@ -102,7 +117,10 @@ impl Snapshot {
         let sum = out.sum;
         out.write_all(&sum.to_le_bytes())?;
         out.flush()?;
-        out.inner.into_inner().map_err(std::io::IntoInnerError::into_error)?.sync_all()
+        out.inner
+            .into_inner()
+            .map_err(std::io::IntoInnerError::into_error)?
+            .sync_all()
     }
 
     /// Reads a file and checks that it is whole.
@@ -111,21 +129,33 @@ impl Snapshot {
     /// [`FlowError::Io`] or [`FlowError::Restart`].
     pub fn read(path: &Path) -> Result<Self, FlowError> {
         let name = path.display().to_string();
-        let wrong = |what: &str| FlowError::Restart { path: name.clone(), what: what.to_owned() };
+        let wrong = |what: &str| FlowError::Restart {
+            path: name.clone(),
+            what: what.to_owned(),
+        };
         let mut bytes = Vec::new();
         File::open(path)
             .and_then(|mut f| f.read_to_end(&mut bytes))
-            .map_err(|source| FlowError::Io { path: name.clone(), source })?;
+            .map_err(|source| FlowError::Io {
+                path: name.clone(),
+                source,
+            })?;
         if bytes.len() < 24 || &bytes[..8] != MAGIC {
             return Err(wrong("this is not a restart file of this version; start the run anew"));
         }
         let (body, sum) = bytes.split_at(bytes.len() - 8);
         let sum = <[u8; 8]>::try_from(sum).map(u64::from_le_bytes).unwrap_or_default();
         if fnv(FNV_START, body) != sum {
-            return Err(wrong("the checksum is wrong: the file is damaged or was cut short; start the run anew"));
+            return Err(wrong(
+                "the checksum is wrong: the file is damaged or was cut short; start the run anew",
+            ));
         }
-        let length = <[u8; 8]>::try_from(&body[8..16]).map(u64::from_le_bytes).unwrap_or(u64::MAX) as usize;
-        let header = body.get(16..16_usize.saturating_add(length)).ok_or_else(|| wrong("the header is longer than the file"))?;
+        let length = <[u8; 8]>::try_from(&body[8..16])
+            .map(u64::from_le_bytes)
+            .unwrap_or(u64::MAX) as usize;
+        let header = body
+            .get(16..16_usize.saturating_add(length))
+            .ok_or_else(|| wrong("the header is longer than the file"))?;
         let mut snapshot: Self = serde_json::from_slice(header).map_err(|e| wrong(&format!("header: {e}")))?;
         snapshot.unknowns = body[16 + length..]
             .chunks_exact(8)

@@ -23,7 +23,9 @@ impl Sequence {
         let mut levels = vec![finest];
         let mut maps = Vec::new();
         while levels.len() < count.max(1) {
-            let Some((coarse, map)) = levels.last().and_then(Level::coarser) else { break };
+            let Some((coarse, map)) = levels.last().and_then(Level::coarser) else {
+                break;
+            };
             if coarse.cell_count < LEAST_CELLS {
                 break;
             }
@@ -54,7 +56,11 @@ pub fn prolong(map: &CellMap, fine: &Level, coarse: &Level, from: &Field) -> Vec
                     let parent = state_at(w, layout.size, at);
                     let mut state = parent;
                     for d in (0..3).filter(|d| merge[*d]) {
-                        let neighbour = if index[d] % 2 == 0 { at - layout.stride[d] } else { at + layout.stride[d] };
+                        let neighbour = if index[d] % 2 == 0 {
+                            at - layout.stride[d]
+                        } else {
+                            at + layout.stride[d]
+                        };
                         let beside = state_at(w, layout.size, neighbour);
                         for v in 0..VARIABLES {
                             state[v] += 0.25 * (beside[v] - parent[v]);

@@ -28,7 +28,12 @@ pub struct FlowSettings {
 
 impl Default for FlowSettings {
     fn default() -> Self {
-        Self { mach: 0.5, alpha_deg: 0.0, beta_deg: 0.0, gamma: 1.4 }
+        Self {
+            mach: 0.5,
+            alpha_deg: 0.0,
+            beta_deg: 0.0,
+            gamma: 1.4,
+        }
     }
 }
 
@@ -36,7 +41,12 @@ impl FlowSettings {
     /// Free-stream state, non-dimensional.
     #[must_use]
     pub fn state(&self) -> State<f64> {
-        free_stream(self.gamma, self.mach, self.alpha_deg.to_radians(), self.beta_deg.to_radians())
+        free_stream(
+            self.gamma,
+            self.mach,
+            self.alpha_deg.to_radians(),
+            self.beta_deg.to_radians(),
+        )
     }
 
     /// Directions of drag, side force and lift.
@@ -64,7 +74,11 @@ pub struct Reference {
 
 impl Default for Reference {
     fn default() -> Self {
-        Self { area: 1.0, chord: 1.0, moment_point: [0.0; 3] }
+        Self {
+            area: 1.0,
+            chord: 1.0,
+            moment_point: [0.0; 3],
+        }
     }
 }
 
@@ -170,7 +184,7 @@ impl Default for SteadySettings {
             reference: Reference::default(),
             far_field: FarField::FreeStream,
             reconstruction: Reconstruction::VanAlbada,
-            limiter_constant: 1.0,
+            limiter_constant: 5.0,
             patches: BTreeMap::new(),
             solver: SolverSettings::default(),
             restart: None,
@@ -181,7 +195,15 @@ impl Default for SteadySettings {
 }
 
 fn within(key: &'static str, value: f64, good: bool, needed: &'static str) -> Result<(), FlowError> {
-    if good && value.is_finite() { Ok(()) } else { Err(FlowError::Setting { key, got: value.to_string(), needed }) }
+    if good && value.is_finite() {
+        Ok(())
+    } else {
+        Err(FlowError::Setting {
+            key,
+            got: value.to_string(),
+            needed,
+        })
+    }
 }
 
 impl SteadySettings {
@@ -191,20 +213,60 @@ impl SteadySettings {
     /// The first setting that is out of its range.
     pub fn check(&self) -> Result<(), FlowError> {
         let (f, r, s) = (&self.flow, &self.reference, &self.solver);
-        within("flow.mach", f.mach, f.mach > 1e-3 && f.mach < 50.0, "a Mach number above 0.001 and below 50 is needed")?;
-        within("flow.gamma", f.gamma, f.gamma > 1.0 && f.gamma <= 3.0, "a ratio of specific heats above 1 and up to 3 is needed (air: 1.4)")?;
-        within("flow.alpha", f.alpha_deg, f.alpha_deg.abs() <= 90.0, "an angle of attack between -90 and 90 degrees is needed")?;
-        within("flow.beta", f.beta_deg, f.beta_deg.abs() < 90.0, "a side-slip angle between -90 and 90 degrees is needed")?;
+        within(
+            "flow.mach",
+            f.mach,
+            f.mach > 1e-3 && f.mach < 50.0,
+            "a Mach number above 0.001 and below 50 is needed",
+        )?;
+        within(
+            "flow.gamma",
+            f.gamma,
+            f.gamma > 1.0 && f.gamma <= 3.0,
+            "a ratio of specific heats above 1 and up to 3 is needed (air: 1.4)",
+        )?;
+        within(
+            "flow.alpha",
+            f.alpha_deg,
+            f.alpha_deg.abs() <= 90.0,
+            "an angle of attack between -90 and 90 degrees is needed",
+        )?;
+        within(
+            "flow.beta",
+            f.beta_deg,
+            f.beta_deg.abs() < 90.0,
+            "a side-slip angle between -90 and 90 degrees is needed",
+        )?;
         within("reference.area", r.area, r.area > 0.0, "a positive area is needed")?;
         within("reference.chord", r.chord, r.chord > 0.0, "a positive length is needed")?;
         for x in r.moment_point {
             within("reference.moment_point", x, true, "finite coordinates are needed")?;
         }
         let c = self.limiter_constant;
-        within("limiter_constant", c, (0.0..=100.0).contains(&c), "a number from 0 to 100 is needed")?;
-        within("solver.orders", s.orders, s.orders > 0.0 && s.orders <= 16.0, "a number above 0 and up to 16 is needed")?;
-        within("solver.cfl_start", s.cfl_start, s.cfl_start > 0.0, "a positive number is needed")?;
-        within("solver.cfl_growth", s.cfl_growth, s.cfl_growth > 1.0, "a number above 1 is needed")?;
+        within(
+            "limiter_constant",
+            c,
+            (0.0..=100.0).contains(&c),
+            "a number from 0 to 100 is needed",
+        )?;
+        within(
+            "solver.orders",
+            s.orders,
+            s.orders > 0.0 && s.orders <= 16.0,
+            "a number above 0 and up to 16 is needed",
+        )?;
+        within(
+            "solver.cfl_start",
+            s.cfl_start,
+            s.cfl_start > 0.0,
+            "a positive number is needed",
+        )?;
+        within(
+            "solver.cfl_growth",
+            s.cfl_growth,
+            s.cfl_growth > 1.0,
+            "a number above 1 is needed",
+        )?;
         if s.directions == 0 || s.max_products == 0 || s.max_steps == 0 {
             return Err(FlowError::Setting {
                 key: "solver.directions, max_products, max_steps",
@@ -234,7 +296,9 @@ impl SteadySettings {
                 Ok(match (patch.condition, values) {
                     (Condition::Wall | Condition::WallSlip, _) => Boundary::Wall,
                     (Condition::WallNoSlip, _) => {
-                        return Err(missing("a no-slip wall needs a viscous flow model; use `wall` or `wall-slip` for Euler flow"));
+                        return Err(missing(
+                            "a no-slip wall needs a viscous flow model; use `wall` or `wall-slip` for Euler flow",
+                        ));
                     }
                     (Condition::Symmetry, _) => Boundary::Symmetry,
                     (Condition::Collapsed, _) => Boundary::Collapsed,
@@ -243,10 +307,19 @@ impl SteadySettings {
                         FarField::Characteristic => Boundary::FarFieldCharacteristic(stream),
                         FarField::Vortex => Boundary::Fixed(vec![stream; patch.window.count()]),
                     },
-                    (Condition::InflowSubsonic, Some(PatchValues::Total { pressure, temperature, direction })) => {
+                    (
+                        Condition::InflowSubsonic,
+                        Some(PatchValues::Total {
+                            pressure,
+                            temperature,
+                            direction,
+                        }),
+                    ) => {
                         let length = direction.iter().map(|d| d * d).sum::<f64>().sqrt();
                         if !(length > 0.0 && *pressure > 0.0 && *temperature > 0.0) {
-                            return Err(missing("a positive total pressure and temperature and a direction are needed"));
+                            return Err(missing(
+                                "a positive total pressure and temperature and a direction are needed",
+                            ));
                         }
                         Boundary::InflowSubsonic {
                             pressure: *pressure,
@@ -255,9 +328,13 @@ impl SteadySettings {
                         }
                     }
                     (Condition::InflowSubsonic, _) => {
-                        return Err(missing("give total pressure, total temperature and direction of the inflow"));
+                        return Err(missing(
+                            "give total pressure, total temperature and direction of the inflow",
+                        ));
                     }
-                    (Condition::InflowSupersonic, Some(PatchValues::State(state))) => Boundary::InflowSupersonic(*state),
+                    (Condition::InflowSupersonic, Some(PatchValues::State(state))) => {
+                        Boundary::InflowSupersonic(*state)
+                    }
                     (Condition::InflowSupersonic, _) => Boundary::InflowSupersonic(stream),
                     (Condition::OutflowSubsonic, Some(PatchValues::Pressure(pressure))) if *pressure > 0.0 => {
                         Boundary::OutflowSubsonic { pressure: *pressure }

@@ -238,7 +238,8 @@ impl Solver {
             Some(kept) => kept,
             None => Multilevel::new(shapes(&self.equations.level)),
         };
-        self.equations.jacobian(&self.time, &mut preconditioner.finest_mut().blocks);
+        self.equations
+            .jacobian(&self.time, &mut preconditioner.finest_mut().blocks);
         preconditioner.factor()?;
         self.preconditioner = Some(preconditioner);
         Ok(())
@@ -262,7 +263,9 @@ impl Solver {
             perturbed: &mut self.perturbed,
             size,
         };
-        let Some(preconditioner) = &mut self.preconditioner else { return Err(FlowError::NotBuilt) };
+        let Some(preconditioner) = &mut self.preconditioner else {
+            return Err(FlowError::NotBuilt);
+        };
         let mut precondition = Precondition { preconditioner };
         let outcome = self
             .gcg

@@ -12,11 +12,11 @@ use dip_grid::MultiBlock;
 use dip_krylov::{GcgOutcome, GcgSettings, vector};
 use serde::{Deserialize, Serialize};
 
-use crate::boundary::Boundary;
 use crate::error::FlowError;
 use crate::level::Level;
 use crate::loads::{Loads, WallGeometry, WallPatch, integrate};
 use crate::observer::{Observer, Progress};
+use crate::reconstruct::Reconstruction;
 use crate::restart::Snapshot;
 use crate::scheme::Scheme;
 use crate::sequence::{Sequence, prolong};
@@ -63,6 +63,8 @@ pub struct SteadyResult {
     pub orders: f64,
     /// The flow, its equations and residual on the finest level.
     pub solver: Solver,
+    /// Constant of the limiter at the end: that of the settings unless it was raised.
+    pub limiter_constant: f64,
     /// State to go on from.
     pub snapshot: Snapshot,
     /// Bytes of the large arrays a cell.
@@ -89,9 +91,13 @@ pub fn run(
     let finest = Level::new(grid)?;
     settings.boundaries(&finest)?;
     let sequence = Sequence::new(finest, settings.solver.levels);
-    let resumed = if settings.resume { read_snapshot(settings, &sequence)? } else { None };
+    let resumed = if settings.resume {
+        read_snapshot(settings, &sequence)?
+    } else {
+        None
+    };
     let mut run = Run::new(settings, grid, sequence, resumed)?;
-    let stop = run.to_the_end(observer, cancel)?;
+    let stop = run.march(observer, cancel)?;
     run.finish(stop)
 }
 
@@ -101,10 +107,18 @@ fn read_snapshot(settings: &SteadySettings, sequence: &Sequence) -> Result<Optio
         return Ok(None);
     }
     let snapshot = Snapshot::read(path)?;
-    let wrong = |what: String| Err(FlowError::Restart { path: path.display().to_string(), what });
+    let wrong = |what: String| {
+        Err(FlowError::Restart {
+            path: path.display().to_string(),
+            what,
+        })
+    };
     let cells: Vec<_> = sequence.levels[0].blocks.iter().map(|b| b.layout.cells).collect();
     if snapshot.cells != cells {
-        return wrong(format!("it is of another grid: blocks of {:?} cells, this grid has {cells:?}", snapshot.cells));
+        return wrong(format!(
+            "it is of another grid: blocks of {:?} cells, this grid has {cells:?}",
+            snapshot.cells
+        ));
     }
     let same = |a: &SteadySettings, b: &SteadySettings| {
         a.flow == b.flow
@@ -120,7 +134,11 @@ fn read_snapshot(settings: &SteadySettings, sequence: &Sequence) -> Result<Optio
     let level = sequence.levels.get(snapshot.level);
     match level {
         Some(level) if level.cell_count * 5 == snapshot.unknowns.len() => Ok(Some(snapshot)),
-        _ => wrong(format!("level {} with {} unknowns does not fit this grid", snapshot.level, snapshot.unknowns.len())),
+        _ => wrong(format!(
+            "level {} with {} unknowns does not fit this grid",
+            snapshot.level,
+            snapshot.unknowns.len()
+        )),
     }
 }
 
@@ -140,6 +158,11 @@ struct Run<'a> {
     norm: f64,
     last_norm: f64,
     history: Vec<Progress>,
+    /// Constant of the limiter: that of the settings, or raised because the shock's cells would not come to rest.
+    limiter_constant: f64,
+    /// Most orders reached on this level, and the steps since.
+    best: f64,
+    since_best: usize,
     began: Instant,
     /// Steps before the run was resumed: they took no time of this one.
     steps_before: usize,
@@ -154,8 +177,14 @@ impl<'a> Run<'a> {
         resumed: Option<Snapshot>,
     ) -> Result<Self, FlowError> {
         let level = resumed.as_ref().map_or(sequence.levels.len() - 1, |s| s.level);
-        let (solver, reference_norm, walls, vortex) = open_level(settings, grid, &sequence, level)?;
+        let limiter_constant = resumed
+            .as_ref()
+            .map_or(settings.limiter_constant, |s| s.limiter_constant);
+        let (solver, reference_norm, walls, vortex) = open_level(settings, grid, &sequence, level, limiter_constant)?;
         let mut run = Self {
+            limiter_constant,
+            best: f64::NEG_INFINITY,
+            since_best: 0,
             settings,
             sequence,
             walls,
@@ -178,6 +207,7 @@ impl<'a> Run<'a> {
             run.solver.set(&s.unknowns);
             run.solver.equations.check()?;
             (run.step, run.level_step, run.cfl, run.last_norm) = (s.step, s.level_step, s.cfl, s.last_norm);
+            (run.best, run.since_best) = (s.best.unwrap_or(f64::NEG_INFINITY), s.since_best);
             run.history = s.history;
             run.steps_before = run.step;
             run.update_vortex();
@@ -190,14 +220,21 @@ impl<'a> Run<'a> {
         (self.reference_norm / self.norm.max(1e-300)).log10()
     }
 
-    fn to_the_end(&mut self, observer: &mut dyn Observer, cancel: &AtomicBool) -> Result<StopReason, FlowError> {
+    fn march(&mut self, observer: &mut dyn Observer, cancel: &AtomicBool) -> Result<StopReason, FlowError> {
         observer.message(&format!(
             "{} cells in {} blocks, levels of {:?} cells, {}",
             self.sequence.levels[0].cell_count,
             self.sequence.levels[0].blocks.len(),
             self.sequence.levels.iter().map(|l| l.cell_count).collect::<Vec<_>>(),
-            if self.sequence.levels[0].planar { "two-dimensional" } else { "three-dimensional" },
+            if self.sequence.levels[0].planar {
+                "two-dimensional"
+            } else {
+                "three-dimensional"
+            },
         ));
+        if !self.walls.has_wall() {
+            observer.message("the grid has no wall: there are no forces, CL and CD are zero");
+        }
         if self.reference_norm == 0.0 {
             return Ok(StopReason::RoundOff);
         }
@@ -215,7 +252,11 @@ impl<'a> Run<'a> {
     /// Steps on the current level until it is done.
     fn on_level(&mut self, observer: &mut dyn Observer, cancel: &AtomicBool) -> Result<StopReason, FlowError> {
         let s = &self.settings.solver;
-        let (goal, most) = if self.level == 0 { (s.orders, s.max_steps) } else { (s.coarse_orders, 60) };
+        let (goal, most) = if self.level == 0 {
+            (s.orders, s.max_steps)
+        } else {
+            (s.coarse_orders, 60)
+        };
         if self.step == 0 && self.level_step == 0 {
             self.explicit_start();
         }
@@ -232,13 +273,67 @@ impl<'a> Run<'a> {
             if self.level_step >= most {
                 return Ok(StopReason::MaxSteps);
             }
-            let Some((outcome, part, cfl)) = self.take_step(observer)? else { return Ok(StopReason::Stalled) };
+            let Some((outcome, part, cfl)) = self.take_step(observer)? else {
+                return Ok(StopReason::Stalled);
+            };
             self.report(observer, &outcome, part, cfl, goal);
+            if self.is_stalled() {
+                if self.level > 0 {
+                    // A start for the next level is all that is wanted here.
+                    return Ok(StopReason::MaxSteps);
+                }
+                self.raise_limiter_constant(observer);
+            }
             let every = self.settings.checkpoint_steps;
             if every > 0 && self.step.is_multiple_of(every) {
                 self.write_restart()?;
             }
         }
+    }
+
+    /// True if the best residual is many steps old: a limit cycle of the limiter.
+    fn is_stalled(&mut self) -> bool {
+        const PATIENCE: usize = 15;
+        let orders = self.orders();
+        if orders > self.best + 0.05 {
+            self.best = orders;
+            self.since_best = 0;
+        } else {
+            self.since_best += 1;
+        }
+        self.since_best >= PATIENCE
+    }
+
+    /// Doubles the limiter's constant, a few times at most: differences below it are then left alone, and the cells
+    /// of a shock that switched to and fro come to rest. The flow changes by less than the discretization error; it is
+    /// said all the same.
+    fn raise_limiter_constant(&mut self, observer: &mut dyn Observer) {
+        const MOST: f64 = 8.0;
+        (self.best, self.since_best) = (f64::NEG_INFINITY, 0);
+        if self.settings.reconstruction != Reconstruction::VanAlbada
+            || self.limiter_constant >= MOST * self.settings.limiter_constant
+        {
+            return;
+        }
+        self.limiter_constant *= 2.0;
+        let s = self.settings;
+        let level = &self.solver.equations.level;
+        self.solver.equations.scheme = Scheme::new(
+            s.flow.gamma,
+            s.reconstruction,
+            self.limiter_constant,
+            level.cell_count,
+            level.planar,
+            s.flow.mach,
+        );
+        self.solver.evaluate();
+        self.norm = self.solver.norm();
+        self.last_norm = self.norm;
+        self.cfl = 5.0 * s.solver.cfl_start;
+        observer.message(&format!(
+            "the residual has not fallen for a while: the limiter switches in cells that should rest; its constant is raised to {}",
+            self.limiter_constant
+        ));
     }
 
     /// First-order explicit steps smooth the impulsive start.
@@ -272,24 +367,42 @@ impl<'a> Run<'a> {
                     // Far from the solution waves travel and the residual may rise; near it a rise is a failure.
                     let allowed = if self.orders() < 1.0 { 4.0 } else { 1.5 };
                     if !(new.is_finite() && new <= allowed * self.norm) {
-                        (format!("the residual would grow by a factor of {:.1e}", new / self.norm), outcome, part)
+                        (
+                            format!("the residual would grow by a factor of {:.1e}", new / self.norm),
+                            outcome,
+                            part,
+                        )
                     } else if part < 0.05 {
-                        (format!("only {part:.1e} of the step keeps density and pressure positive"), outcome, part)
+                        (
+                            format!("only {part:.1e} of the step keeps density and pressure positive"),
+                            outcome,
+                            part,
+                        )
                     } else {
                         self.accept(new, part, &outcome);
                         return Ok(Some((outcome, part, cfl)));
                     }
                 }
-                Err(FlowError::Linear(e)) => {
-                    (e.to_string(), GcgOutcome { iterations: 0, reduction: 1.0, converged: false }, 0.0)
-                }
+                Err(FlowError::Linear(e)) => (
+                    e.to_string(),
+                    GcgOutcome {
+                        iterations: 0,
+                        reduction: 1.0,
+                        converged: false,
+                    },
+                    0.0,
+                ),
                 Err(e) => return Err(e),
             };
             let backup = std::mem::take(&mut self.backup);
             self.solver.set(&backup);
             self.backup = backup;
             self.cfl *= if part > 0.0 { 0.25 } else { 0.1 };
-            observer.message(&format!("step {} redone with CFL {:.3e}: {why}", self.step + 1, self.cfl));
+            observer.message(&format!(
+                "step {} redone with CFL {:.3e}: {why}",
+                self.step + 1,
+                self.cfl
+            ));
             let _ = outcome;
             if self.cfl < LEAST_CFL {
                 return Ok(None);
@@ -302,10 +415,18 @@ impl<'a> Run<'a> {
         self.solver.set_time_step(cfl);
         self.solver.build()?;
         // Tighter as Newton's method takes hold.
-        let tolerance = if cfl < 1e3 { 0.1 } else { (self.norm / self.last_norm).powi(2).clamp(1e-2, 0.1) };
+        let tolerance = if cfl < 1e3 {
+            0.1
+        } else {
+            (self.norm / self.last_norm).powi(2).clamp(1e-2, 0.1)
+        };
         // On coarser levels memory does not count: all directions are kept.
         let directions = if self.level > 0 { s.max_products } else { s.directions };
-        let gcg = GcgSettings { tolerance, max_iterations: s.max_products, directions };
+        let gcg = GcgSettings {
+            tolerance,
+            max_iterations: s.max_products,
+            directions,
+        };
         let outcome = self.solver.solve(&gcg)?;
         let part = self.solver.admissible(0.5);
         self.solver.advance(part);
@@ -317,7 +438,12 @@ impl<'a> Run<'a> {
         let growth = self.settings.solver.cfl_growth;
         // A linear system that GCG cannot reduce is too stiff: a smaller time step makes it easier and costs less.
         let solvable = if outcome.reduction > 0.5 { 0.25 } else { 1.0 };
-        self.cfl *= solvable * if part < 1.0 { part.max(0.5) } else { (1.5 * ratio).clamp(0.5, growth) };
+        self.cfl *= solvable
+            * if part < 1.0 {
+                part.max(0.5)
+            } else {
+                (1.5 * ratio).clamp(0.5, growth)
+            };
         self.cfl = self.cfl.min(1e12);
         self.last_norm = self.norm;
         self.norm = new;
@@ -329,9 +455,18 @@ impl<'a> Run<'a> {
     fn update_vortex(&mut self) {
         if let Some(vortex) = &self.vortex {
             let level = &self.solver.equations.level;
-            let walls = self.walls.pressures(level, &self.solver.equations.sides, &self.settings.flow);
-            let cl = integrate(&walls, &self.settings.flow, &self.settings.reference).total.cl;
-            vortex.set(&mut self.solver.equations.boundaries, &self.settings.flow, &self.settings.reference, cl);
+            let walls = self
+                .walls
+                .pressures(level, &self.solver.equations.sides, &self.settings.flow);
+            let cl = integrate(&walls, &self.settings.flow, &self.settings.reference)
+                .total
+                .cl;
+            vortex.set(
+                &mut self.solver.equations.boundaries,
+                &self.settings.flow,
+                &self.settings.reference,
+                cl,
+            );
             self.solver.evaluate();
             self.norm = self.solver.norm();
         }
@@ -339,7 +474,9 @@ impl<'a> Run<'a> {
 
     fn report(&mut self, observer: &mut dyn Observer, outcome: &GcgOutcome, part: f64, cfl: f64, goal: f64) {
         let equations = &self.solver.equations;
-        let walls = self.walls.pressures(&equations.level, &equations.sides, &self.settings.flow);
+        let walls = self
+            .walls
+            .pressures(&equations.level, &equations.sides, &self.settings.flow);
         let loads = integrate(&walls, &self.settings.flow, &self.settings.reference).total;
         let orders = self.orders();
         let seconds = self.began.elapsed().as_secs_f64();
@@ -372,7 +509,15 @@ impl<'a> Run<'a> {
     /// Carries the flow to the next finer level.
     fn refine(&mut self) -> Result<(), FlowError> {
         let fine = self.level - 1;
-        let (mut solver, reference_norm, walls, vortex) = open_level(self.settings, self.grid, &self.sequence, fine)?;
+        let (mut solver, reference_norm, walls, vortex) = open_level(
+            self.settings,
+            self.grid,
+            &self.sequence,
+            fine,
+            self.settings.limiter_constant,
+        )?;
+        self.limiter_constant = self.settings.limiter_constant;
+        (self.best, self.since_best) = (f64::NEG_INFINITY, 0);
         let start = prolong(
             &self.sequence.maps[fine],
             &self.sequence.levels[fine],
@@ -401,6 +546,9 @@ impl<'a> Run<'a> {
             level: self.level,
             step: self.step,
             level_step: self.level_step,
+            limiter_constant: self.limiter_constant,
+            best: self.best.is_finite().then_some(self.best),
+            since_best: self.since_best,
             cfl: self.cfl,
             last_norm: self.last_norm,
             history: self.history.clone(),
@@ -420,12 +568,25 @@ impl<'a> Run<'a> {
         let snapshot = self.snapshot();
         let orders = self.orders();
         let equations = &self.solver.equations;
-        let walls = self.walls.pressures(&equations.level, &equations.sides, &self.settings.flow);
+        let walls = self
+            .walls
+            .pressures(&equations.level, &equations.sides, &self.settings.flow);
         let loads = integrate(&walls, &self.settings.flow, &self.settings.reference);
         let cells = equations.level.cell_count as f64;
         let bytes_per_cell = self.solver.bytes() as f64 / cells;
         let planar = equations.level.planar;
-        Ok(SteadyResult { stop, loads, walls, history: self.history, orders, solver: self.solver, snapshot, bytes_per_cell, planar })
+        Ok(SteadyResult {
+            stop,
+            loads,
+            walls,
+            history: self.history,
+            orders,
+            limiter_constant: self.limiter_constant,
+            solver: self.solver,
+            snapshot,
+            bytes_per_cell,
+            planar,
+        })
     }
 }
 
@@ -437,6 +598,7 @@ fn open_level(
     grid: &MultiBlock,
     sequence: &Sequence,
     n: usize,
+    limiter_constant: f64,
 ) -> Result<Opened, FlowError> {
     let level = sequence.levels[n].clone();
     let boundaries = settings.boundaries(&level)?;
@@ -447,7 +609,7 @@ fn open_level(
     let scheme = Scheme::new(
         settings.flow.gamma,
         settings.reconstruction,
-        settings.limiter_constant,
+        limiter_constant,
         level.cell_count,
         level.planar,
         settings.flow.mach,
@@ -455,10 +617,4 @@ fn open_level(
     let solver = Solver::new(Equations::new(level, scheme, boundaries, &settings.flow.state())?);
     let reference = vector::norm(&solver.residual);
     Ok((solver, reference, walls, vortex))
-}
-
-/// True for conditions that a steady solution's forces come from.
-#[must_use]
-pub fn has_wall(boundaries: &[Boundary]) -> bool {
-    boundaries.iter().any(Boundary::is_wall)
 }

@@ -41,13 +41,14 @@ impl FarFieldVortex {
         let beta = (1.0 - m2).max(0.0).sqrt();
         let total = 0.5 + flow.gamma / (flow.gamma - 1.0) * stream[4];
         for (n, centres) in &self.patches {
-            let Some(Boundary::Fixed(states)) = boundaries.get_mut(*n) else { continue };
+            let Some(Boundary::Fixed(states)) = boundaries.get_mut(*n) else {
+                continue;
+            };
             for (state, c) in states.iter_mut().zip(centres) {
                 let (x, z) = (c[0] - reference.moment_point[0], c[2] - reference.moment_point[2]);
                 let r = x.hypot(z);
                 let theta = z.atan2(x);
-                let f = circulation * beta
-                    / (std::f64::consts::TAU * r * (1.0 - m2 * (theta - alpha).sin().powi(2)));
+                let f = circulation * beta / (std::f64::consts::TAU * r * (1.0 - m2 * (theta - alpha).sin().powi(2)));
                 let u = stream[1] + f * theta.sin();
                 let w = stream[3] - f * theta.cos();
                 let enthalpy = total - 0.5 * (u * u + stream[2] * stream[2] + w * w);

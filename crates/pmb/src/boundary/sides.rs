@@ -130,8 +130,8 @@ fn fill_patch<G: Gas>(
             let (n, speed, area) = outward(block, patch.face, p, q);
             let flux = flux_boundary(gas, boundary, index, &inside, &n, speed);
             let f = p + side.size[0] * q;
-            for v in 0..VARIABLES {
-                side.flux[v * faces + f] = sign * area * flux[v];
+            for (v, value) in flux.into_iter().enumerate() {
+                side.flux[v * faces + f] = sign * area * value;
             }
             if matches!(boundary, Boundary::Wall | Boundary::Symmetry) {
                 let un = inside[1] * n[0] + inside[2] * n[1] + inside[3] * n[2] - speed;

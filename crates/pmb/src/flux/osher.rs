@@ -313,12 +313,11 @@ pub fn jacobian_osher<T: Real, G: Gas>(
     let mut mass = [[zero; 6]; 2];
     let mut mass_value = [zero; 2];
     let (mut momentum, mut energy) = ([zero; 6], [zero; 6]);
-    for s in 0..6 {
+    for (s, [d_rho, d_u, d_p]) in gradients.iter().enumerate() {
         let [rho, u, p] = path.states[s];
         let c = path.weights[s];
         let side = s / 3;
         mass_value[side] = mass_value[side] + c * rho * u;
-        let [d_rho, d_u, d_p] = &gradients[s];
         let (c_u, c_rho, c_uu) = (c * u, c * rho, c * u * u);
         let half_uuu = half * c_uu * u;
         let e_u = c * (enthalpy * p + T::splat(1.5) * rho * u * u);

@@ -8,24 +8,27 @@ use dip_pmb::real::{Dual, Lanes, Real};
 
 use crate::Random;
 
+/// Left and right state, normal, face speed.
+type Case = (State<f64>, State<f64>, [f64; 3], f64);
+
 fn random_state(random: &mut Random, speed: f64) -> State<f64> {
-    let p = 0.2 + 1.5 * random.next().abs();
+    let p = 0.2 + 1.5 * random.uniform().abs();
     [
-        0.2 + 2.0 * random.next().abs(),
-        speed * random.next(),
-        speed * random.next(),
-        speed * random.next(),
+        0.2 + 2.0 * random.uniform().abs(),
+        speed * random.uniform(),
+        speed * random.uniform(),
+        speed * random.uniform(),
         p,
     ]
 }
 
 /// States that cover every branch: from rest to Mach 4, jumps of any size.
-fn pairs() -> Vec<(State<f64>, State<f64>, [f64; 3], f64)> {
+fn pairs() -> Vec<Case> {
     let mut random = Random(1);
     (0..2000)
         .map(|n| {
             let speed = [0.3, 1.0, 3.0][n % 3];
-            let face = if n % 2 == 0 { 0.0 } else { random.next() };
+            let face = if n % 2 == 0 { 0.0 } else { random.uniform() };
             (
                 random_state(&mut random, speed),
                 random_state(&mut random, speed),
@@ -98,9 +101,7 @@ fn a_moving_face_sees_the_flow_of_its_own_frame() {
 fn four_faces_at_a_time_give_the_bits_of_one() {
     let all = pairs();
     for four in all.chunks_exact(4) {
-        let pack = |f: &dyn Fn(&(State<f64>, State<f64>, [f64; 3], f64)) -> f64| {
-            Lanes::new([f(&four[0]), f(&four[1]), f(&four[2]), f(&four[3])])
-        };
+        let pack = |f: &dyn Fn(&Case) -> f64| Lanes::new([f(&four[0]), f(&four[1]), f(&four[2]), f(&four[3])]);
         let l = [0, 1, 2, 3, 4].map(|v| pack(&|c| c.0[v]));
         let r = [0, 1, 2, 3, 4].map(|v| pack(&|c| c.1[v]));
         let n = [0, 1, 2].map(|d| pack(&|c| c.2[d]));
@@ -126,14 +127,13 @@ fn analytic_jacobian_is_the_derivative_of_the_flux() {
                 dual_r[v] = Dual::variable(r[v], 5 + v);
             }
             let flux = flux_osher(&gas, &dual_l, &dual_r, &n.map(Dual::splat), Dual::splat(speed));
-            for side in 0..2 {
-                for column in 0..5 {
-                    for row in 0..5 {
-                        let want = flux[row].derivative[5 * side + column];
-                        let got = both[side][column][row];
+            for (side, columns) in both.iter().enumerate() {
+                for (column, rows) in columns.iter().enumerate() {
+                    for (got, flux) in rows.iter().zip(&flux) {
+                        let want = flux.derivative[5 * side + column];
                         assert!(
                             (got - want).abs() < 1e-8 * (1.0 + want.abs()),
-                            "{side} {column} {row}: {got} {want}"
+                            "{side} {column}: {got} {want}"
                         );
                     }
                 }
@@ -205,10 +205,8 @@ fn conservative_and_primitive_variables_are_inverse_and_their_gradient_right() {
         }
         let q = conservative(&Diatomic, &dual);
         let gradient = conservative_gradient(&Diatomic, &l);
-        for row in 0..5 {
-            for column in 0..5 {
-                assert!((q[row].derivative[column] - gradient[row][column]).abs() < 1e-12);
-            }
+        for (q, row) in q.iter().zip(&gradient) {
+            assert!(q.derivative.iter().zip(row).all(|(a, b)| (a - b).abs() < 1e-12));
         }
     }
 }
@@ -256,14 +254,14 @@ fn rarefactions_are_exact_sonic_points_included() {
     ];
     for _ in 0..3000 {
         let l = [
-            0.3 + random.next().abs(),
-            3.0 * random.next(),
-            0.3 + random.next().abs(),
+            0.3 + random.uniform().abs(),
+            3.0 * random.uniform(),
+            0.3 + random.uniform().abs(),
         ];
         let r = [
-            0.3 + random.next().abs(),
-            l[1] + 3.0 * random.next().abs(),
-            0.3 + random.next().abs(),
+            0.3 + random.uniform().abs(),
+            l[1] + 3.0 * random.uniform().abs(),
+            0.3 + random.uniform().abs(),
         ];
         cases.push((l, r));
     }

@@ -10,7 +10,7 @@ pub struct Random(pub u64);
 
 impl Random {
     /// The next number.
-    pub fn next(&mut self) -> f64 {
+    pub fn uniform(&mut self) -> f64 {
         self.0 = self
             .0
             .wrapping_mul(6_364_136_223_846_793_005)
@@ -21,7 +21,7 @@ impl Random {
     /// A unit vector.
     pub fn unit(&mut self) -> [f64; 3] {
         loop {
-            let v = [self.next(), self.next(), self.next()];
+            let v = [self.uniform(), self.uniform(), self.uniform()];
             let l = v.iter().map(|x| x * x).sum::<f64>().sqrt();
             if l > 0.1 && l < 1.0 {
                 return v.map(|x| x / l);

@@ -248,7 +248,7 @@ fn assembled_jacobian_is_the_derivative_of_the_first_order_residual() {
     let mut w = vec![0.0; e.len()];
     e.field.store(&e.level, &mut w);
     let mut random = Random(3);
-    let x: Vec<f64> = (0..e.len()).map(|_| random.next()).collect();
+    let x: Vec<f64> = (0..e.len()).map(|_| random.uniform()).collect();
     let mut ax = vec![0.0; e.len()];
     matrix[0].apply(&x, &mut ax);
     // Fourth-order differences along x, over so little that no face passes a switch of Osher's path (the flux is C1).
