@@ -47,7 +47,7 @@ fn a_field_that_is_no_number_is_named() {
     let marked = text.replacen("BEGIN BULK", "BEGIN BULK\nGRID,99999,,1.0,zwei,0.0", 1);
     let line = marked.lines().position(|l| l.starts_with("GRID,99999")).unwrap() + 1;
     std::fs::write(case.path("wing.bdf"), marked).unwrap();
-    case.run("dlm", &["flutter", "wing.bdf"]).exits(2).says(&["GRID", "zwei", &format!("wing.bdf:{line}")]);
+    case.run("dlm", &["flutter", "wing.bdf"]).exits(2).says(&["GRID", "ZWEI", &format!("wing.bdf:{line}")]);
 }
 
 #[test]
