@@ -305,6 +305,8 @@ macro_rules! quantity {
 quantity! {
     /// A length.
     Length, "m", [1, 0, 0, 0, 0], "a length", "0.5587 m";
+    /// An area.
+    Area, "m^2", [2, 0, 0, 0, 0], "an area", "0.3532 m^2";
     /// A volume.
     Volume, "m^3", [3, 0, 0, 0, 0], "a volume", "0.1301 m^3";
     /// A mass.

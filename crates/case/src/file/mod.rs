@@ -1,6 +1,8 @@
 //! One type for each kind of case file. Every key has a doc comment; the JSON Schemas are made from these types.
 
 mod flutter;
+mod mesh;
+mod steady;
 mod structure;
 mod study;
 mod wing;
@@ -8,6 +10,11 @@ mod wing;
 pub use flutter::{
     Approximation, ControlSurfaceTable, FlutterFile, FlutterTable, KernelKind, LatticeTable, Method, ModesTable,
     Points, ReferenceTable, Search, SplineKind, SplineTable, SurfaceTable, Symmetry,
+};
+pub use mesh::MeshTable;
+pub use steady::{
+    CutsTable, FarFieldKind, FlowModel, FlowTable, LoadReferenceTable, PatchTable, ReconstructionKind, SteadyFile,
+    SteadyTable,
 };
 pub use structure::{
     Clamp, ClampSpec, MassModel, MassTable, MaterialTable, Normalization, PlateTable, SpringTable, StructureFile,
@@ -23,5 +30,6 @@ pub fn schemas() -> Vec<(&'static str, schemars::Schema)> {
         ("structure", schemars::schema_for!(StructureFile)),
         ("flutter", schemars::schema_for!(FlutterFile)),
         ("study", schemars::schema_for!(StudyFile)),
+        ("steady", schemars::schema_for!(SteadyFile)),
     ]
 }

@@ -1,5 +1,7 @@
 //! From what the user asks to what the solvers take: one file for each solver's input.
 
+pub mod flow;
+pub mod grid;
 pub mod lattice;
 
 pub mod modes;

@@ -1,0 +1,56 @@
+//! The `pmb` program: grids and the flow.
+
+mod mesh;
+mod steady;
+
+use crate::exit::{Done, Stop, finish};
+use crate::options;
+use clap::{CommandFactory, Parser, Subcommand};
+use std::process::ExitCode;
+
+/// Multi-block grids and the flow on them.
+#[derive(Debug, Parser)]
+#[command(name = "pmb", version = crate::VERSION, after_help = EXAMPLES)]
+struct Cli {
+    #[command(subcommand)]
+    command: Command,
+}
+
+const EXAMPLES: &str = "Examples:
+  pmb mesh meshes/naca0012_c.toml -o runs/naca0012-grid
+  pmb mesh check meshes/agard445_ch_euler.toml
+  pmb steady cases/naca0012/steady.toml
+  pmb steady cases/agard445/steady.toml --set flow.mach=0.678 --out runs/agard-M0678
+  pmb steady cases/agard445/steady.toml --resume
+
+Exit codes: 0 done; 1 failed; 2 bad arguments or input; 3 done, with a warning to look at; 130 interrupted.";
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    /// Make a grid from a recipe, check it and draw it
+    Mesh(mesh::Args),
+    /// Steady flow: forces, pressure cuts, history, restart file
+    Steady(steady::Args),
+    /// Print the completions of a shell
+    #[command(hide = true)]
+    Completions {
+        /// The shell
+        shell: clap_complete::Shell,
+    },
+}
+
+/// Runs the program and returns its exit code.
+pub fn main() -> ExitCode {
+    finish(run(Cli::parse().command))
+}
+
+fn run(command: Command) -> Result<Done, Stop> {
+    match command {
+        Command::Mesh(args) => mesh::run(&args),
+        Command::Steady(args) => steady::run(&args),
+        Command::Completions { shell } => {
+            options::completions(&mut Cli::command(), shell);
+            Ok(Done::Clean)
+        }
+    }
+}
