@@ -107,8 +107,7 @@ const WITHOUT_EFFECT: &[&str] = &[
 
 /// Parameters that change a flutter solution; all others are noted as without effect.
 const USED_PARAMETERS: &[&str] = &[
-    "COUPMASS", "WTMASS", "LMODES", "LFREQ", "HFREQ", "VREF", "KDAMP", "G", "W3", "W4", "AUTOSPC", "K6ROT", "GRDPNT",
-    "OPPHIPA", "MACH", "Q",
+    "COUPMASS", "WTMASS", "LMODES", "LFREQ", "HFREQ", "VREF", "KDAMP", "G", "W3", "AUTOSPC", "K6ROT",
 ];
 
 /// Cards that change the model, with what to do instead.
@@ -510,7 +509,7 @@ fn take_mach_k(bulk: &mut Bulk, pairs: Vec<MachK>) -> Result<(), DeckError> {
 
 fn take_parameter(bulk: &mut Bulk, card: &Card) -> Result<(), DeckError> {
     let parameter = Parameter::read(card)?;
-    if !USED_PARAMETERS.contains(&parameter.name.as_str()) {
+    if !is_used_parameter(&parameter.name) {
         card.note(
             Severity::Ignored,
             format!("{} has no effect on modes or flutter", parameter.name),
@@ -526,6 +525,11 @@ fn take_parameter(bulk: &mut Bulk, card: &Card) -> Result<(), DeckError> {
     }
     bulk.parameters.insert(parameter.name.clone(), parameter);
     Ok(())
+}
+
+/// Whether a solution of the deck depends on the parameter.
+pub(crate) fn is_used_parameter(name: &str) -> bool {
+    USED_PARAMETERS.contains(&name)
 }
 
 fn kind_of(name: &str) -> CoordinateKind {

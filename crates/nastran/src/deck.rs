@@ -3,10 +3,10 @@
 use std::path::Path;
 
 use crate::{
-    bulk::Bulk,
+    bulk::{Bulk, is_used_parameter},
     case_control::{self, Control},
     entry,
-    error::{DeckErrors, Note},
+    error::{DeckErrors, Note, Severity},
     source::{self, Line},
 };
 
@@ -53,6 +53,14 @@ impl Deck {
         let mut bulk = Bulk::read(&entries, structure_elsewhere, &mut notes).map_err(|errors| DeckErrors { errors })?;
         // The case control section's word goes over the bulk data's.
         for parameter in &control.parameters {
+            if !is_used_parameter(&parameter.name) {
+                notes.push(Note {
+                    at: parameter.at.clone(),
+                    card: "PARAM".to_owned(),
+                    severity: Severity::Ignored,
+                    text: format!("{} has no effect on modes or flutter", parameter.name),
+                });
+            }
             bulk.parameters.insert(parameter.name.clone(), parameter.clone());
         }
         Ok(Self { control, bulk, notes })

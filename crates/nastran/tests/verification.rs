@@ -274,7 +274,9 @@ fn all_errors_come_at_once_in_order() {
 
 #[test]
 fn nothing_is_dropped_without_a_word() {
-    let deck = good("SOL 145\nCEND\nFOOBAR = 3\nBEGIN BULK\nGUST,1\nPARAM,POST,-1\nPARAM,VREF,12\nDAREA,1\nENDDATA\n");
+    let deck = good(
+        "SOL 145\nCEND\nFOOBAR = 3\nPARAM,GRDPNT,0\nBEGIN BULK\nGUST,1\nPARAM,POST,-1\nPARAM,VREF,12\nDAREA,1\nENDDATA\n",
+    );
     let words: Vec<(usize, &str, Severity)> = deck
         .notes
         .iter()
@@ -284,9 +286,10 @@ fn nothing_is_dropped_without_a_word() {
         words,
         [
             (3, "FOOBAR", Severity::Warning),
-            (5, "GUST", Severity::Ignored),
-            (6, "PARAM", Severity::Ignored),
-            (8, "DAREA", Severity::Ignored)
+            (6, "GUST", Severity::Ignored),
+            (7, "PARAM", Severity::Ignored),
+            (9, "DAREA", Severity::Ignored),
+            (4, "PARAM", Severity::Ignored)
         ]
     );
     // An integer where Nastran wants a real is read, and said.
