@@ -9,6 +9,7 @@
 //! level); [`steady`] (from free stream to convergence over a sequence of levels).
 
 pub mod boundary;
+pub mod check;
 pub mod error;
 pub mod field;
 pub mod flux;

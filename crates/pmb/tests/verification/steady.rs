@@ -334,6 +334,13 @@ fn a_damaged_restart_file_is_refused_and_a_failed_write_keeps_the_old_one() {
     assert!(error.to_string().contains("another grid"), "{error}");
 }
 
+#[test]
+fn the_jacobian_of_a_converged_transonic_flow_is_that_of_its_residual() {
+    let mut result = steady(&settings(0.8, 1.25), &naca0012(32));
+    let check = dip_pmb::check::check_jacobian(&mut result.solver.equations).expect("a physical flow");
+    assert!(check.relative < 1e-8, "{check:?}");
+}
+
 /// Supersonic flow along a floor that turns by `turn` at x = 0, between x = -0.4 and 1.
 fn corner(turn: f64, n: usize, mach: f64) -> (MultiBlock, SteadyResult) {
     use Condition::{FarField, OutflowSupersonic, Wall};
