@@ -89,36 +89,50 @@ pub fn split_block(grid: &mut MultiBlock, block: usize, axis: usize, at: usize) 
     grid.topology.interfaces = interfaces;
 }
 
-/// Cuts until there are `count` blocks: each time the block with most cells, across its longest direction, at the
-/// node that halves it (or takes its fair share), moved to an edge of a patch or to an even node where one is near, so
-/// that coarser levels stay nested. The result depends on the grid and `count` only, never on the machine.
+/// Cuts until there are `count` blocks of sizes as equal as possible: every block gets its share of the parts by its cells,
+/// and is halved (a third goes to one side where the parts are three) across a long direction until they are made. Cuts
+/// along j, through the boundary layer, only where j is by far the longest; cuts at nodes that coarser levels have too,
+/// where balance allows. The result depends on the grid and `count` only, never on the machine.
 pub fn split_into(grid: &mut MultiBlock, count: usize) {
-    while grid.blocks.len() < count {
-        let Some(block) = largest(grid) else { return };
-        let cells = grid.blocks[block].cells();
-        let two_d = grid.is_two_dimensional();
-        let Some(axis) = (0..3)
-            .filter(|&a| cells[a] >= 2 && !(two_d && a == 2))
-            .max_by_key(|&a| (cells[a], 2 - a))
+    let cells: Vec<usize> = grid.blocks.iter().map(Block::cell_count).collect();
+    let mut parts = vec![1usize; cells.len()];
+    for _ in cells.len()..count {
+        // The next part goes where parts are largest; to the first of equals.
+        let Some(n) =
+            (0..cells.len()).max_by(|&a, &b| (cells[a] * parts[b]).cmp(&(cells[b] * parts[a])).then(b.cmp(&a)))
         else {
             return;
         };
-        let half = cells[axis] / 2;
-        let step = [8, 4, 2]
-            .into_iter()
-            .find(|&s| cells[axis].is_multiple_of(s) && half >= s)
-            .unwrap_or(1);
-        let at = (half / step).max(1) * step;
-        split_block(grid, block, axis, at);
+        parts[n] += 1;
+    }
+    let two_d = grid.is_two_dimensional();
+    for (block, parts) in parts.into_iter().enumerate() {
+        divide(grid, block, parts, two_d);
     }
 }
 
-/// The block with most cells that can still be cut; the first of equals.
-fn largest(grid: &MultiBlock) -> Option<usize> {
-    let blocks = &grid.blocks;
-    (0..blocks.len())
-        .filter(|&n| blocks[n].cells().iter().any(|&c| c >= 2))
-        .max_by(|&a, &b| blocks[a].cell_count().cmp(&blocks[b].cell_count()).then(b.cmp(&a)))
+fn divide(grid: &mut MultiBlock, block: usize, parts: usize, two_d: bool) {
+    let cells = grid.blocks[block].cells();
+    let weight = |axis: usize| cells[axis] * if axis == 1 { 1 } else { 3 };
+    let axis = (0..3)
+        .filter(|&a| cells[a] >= 2 && !(two_d && a == 2))
+        .max_by_key(|&a| (weight(a), 2 - a));
+    let (Some(axis), true) = (axis, parts >= 2) else { return };
+    let (n, lower) = (cells[axis], parts / 2);
+    let ideal = n as f64 * lower as f64 / parts as f64;
+    let near = |step: usize| (ideal / step as f64).round() as usize * step;
+    let good = |step: usize| {
+        let at = near(step);
+        n.is_multiple_of(step) && at > 0 && at < n && (at as f64 - ideal).abs() <= 0.04 * n as f64
+    };
+    let at = [8, 4, 2]
+        .into_iter()
+        .find(|&s| good(s))
+        .map_or_else(|| near(1).clamp(1, n - 1), near);
+    split_block(grid, block, axis, at);
+    let upper = grid.blocks.len() - 1;
+    divide(grid, block, lower, two_d);
+    divide(grid, upper, parts - lower, two_d);
 }
 
 /// Where block `block` was cut in two.

@@ -390,6 +390,8 @@ fn recipes_name_line_and_nearest_key() {
     assert!(error("kind = \"box\"\n").contains("shape.from is needed"));
     assert!(error("kind = \"box\"\n[cells]\nspan = 3\n").contains("cells.span does not go with kind \"box\""));
     assert!(error("kind = \"box\"\n[shape]\nfrom = [0, 0, \"1 mile\"]\n").contains("unknown unit"));
+    let huge = "kind = \"box\"\n[shape]\nfrom = [0, 0, 0]\nto = [1, 1, 1]\n[cells]\nbox = [100000, 100000, 100000]\n";
+    assert!(error(huge).contains("cells are asked for"));
     assert!(error("extends = \"r.toml\"\n").contains("in a circle"));
 }
 

@@ -210,6 +210,11 @@ fn splitting_keeps_every_node_interface_and_patch() {
         split::split_into(&mut grid, count);
         assert_eq!(grid.blocks.len(), count);
         assert_eq!(grid.cell_count(), whole.cell_count());
+        let largest = grid.blocks.iter().map(dip_grid::Block::cell_count).max().unwrap_or(0);
+        assert!(
+            (largest * count) as f64 <= 1.8 * whole.cell_count() as f64,
+            "{count} {largest}"
+        );
         assert_fits(&grid);
         let volume: f64 = grid.blocks.iter().flat_map(|b| Metrics::new(b).volume).sum();
         assert!((volume - 2.0).abs() < 1e-13);

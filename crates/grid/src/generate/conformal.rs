@@ -12,7 +12,7 @@ use std::f64::consts::PI;
 
 use num_complex::Complex64;
 
-use super::fourier::transform;
+use super::fourier::Fourier;
 
 /// Points on the circle; the half plane's L below puts half of them within one root chord of the nose.
 const POINTS: usize = 4096;
@@ -171,9 +171,10 @@ impl Conformal {
         let mut coefficients = vec![Complex64::default(); n / 2];
         let mut wall_s = wall_a.clone();
         let mut change = f64::INFINITY;
+        let fourier = Fourier::new(n);
         for _ in 0..400 {
             let mut x: Vec<Complex64> = h.iter().map(|&v| Complex64::new(v, 0.0)).collect();
-            transform(&mut x, false);
+            fourier.transform(&mut x, false);
             for (k, c) in coefficients.iter_mut().enumerate() {
                 // The analytic function with this real part has twice the coefficients of positive index.
                 let twice = if k == 0 { 1.0 } else { 2.0 };
@@ -188,7 +189,7 @@ impl Conformal {
             for (k, c) in coefficients.iter().enumerate() {
                 f[k] = *c * Complex64::cis(k as f64 * first);
             }
-            transform(&mut f, true);
+            fourier.transform(&mut f, true);
             change = 0.0;
             for m in 0..n {
                 wall_s[m] = wall_a[m] - f[m].im;
@@ -246,11 +247,19 @@ impl Conformal {
         } else {
             usize::MAX
         };
-        self.coefficients
-            .iter()
-            .take(terms)
-            .rev()
-            .fold(Complex64::default(), |sum, c| sum * d + c)
+        // Horner's rule in d^4 for four interleaved polynomials: their chains of products overlap in the processor.
+        let d2 = d * d;
+        let d4 = d2 * d2;
+        let zero = Complex64::default();
+        let mut sums = [zero; 4];
+        let (fours, rest) = self.coefficients.as_chunks::<4>();
+        debug_assert!(rest.is_empty());
+        for four in fours.iter().take(terms.div_ceil(4)).rev() {
+            for (sum, c) in sums.iter_mut().zip(four) {
+                *sum = *sum * d4 + c;
+            }
+        }
+        sums[0] + d * sums[1] + d2 * (sums[2] + d * sums[3])
     }
 
     /// The unwrapped coordinate Re s of the wall point `p`, near `guess`.

@@ -102,6 +102,7 @@ impl Recipe {
                 )));
             }
         }
+        self.check_size()?;
         let made = match kind {
             Kind::AerofoilC => self.aerofoil(AerofoilKind::C)?.make(),
             Kind::AerofoilO => self.aerofoil(AerofoilKind::O)?.make(),
@@ -118,6 +119,27 @@ impl Recipe {
             path: self.path.clone(),
             source,
         })
+    }
+
+    /// A slip of the finger must not ask for all memory: before anything is allocated.
+    fn check_size(&self) -> Result<(), RecipeError> {
+        const MOST: f64 = 1e9;
+        let count = |n: Option<usize>| n.map_or(0.0, |n| n as f64);
+        let c = &self.cells;
+        let around = 2.0 * count(c.surface) + 2.0 * count(c.wake) + count(c.upstream) + count(c.downstream);
+        let along = (count(c.span) + count(c.outboard)).max(1.0);
+        let nodes = around.max(1.0) * (count(c.normal) + count(c.base)).max(1.0) * along;
+        let boxed = c.r#box.map_or(0.0, |n| n.iter().map(|&n| n as f64).product());
+        let most = nodes.max(boxed);
+        if most > MOST {
+            return Err(self.key(format!(
+                "cells: about {most:.1e} cells are asked for; at most {MOST:.0e} can be made"
+            )));
+        }
+        if self.blocks.is_some_and(|n| n == 0 || n > 100_000) {
+            return Err(self.key("blocks: 1 to 100000 are possible"));
+        }
+        Ok(())
     }
 
     fn need<T: Copy>(&self, value: Option<T>, key: &str) -> Result<T, RecipeError> {
