@@ -9,13 +9,12 @@ use dip_grid::quality::{self, names};
 use dip_grid::{picture, recipe, wall_distance};
 
 /// Recipes with the pictures that the page shows.
-const SHOWN: [(&str, &[&str]); 6] = [
+const SHOWN: [(&str, &[&str]); 5] = [
     ("agard445_oo_coarse", &["surface", "section", "tip", "symmetry-plane"]),
     ("agard445_ch_coarse", &["section", "nose", "symmetry-plane"]),
     ("naca0012_c", &["section", "nose"]),
     ("naca0012_o", &["section", "tail"]),
     ("naca0012_blunt", &["tail"]),
-    ("bump", &["section"]),
 ];
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
