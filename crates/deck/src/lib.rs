@@ -18,6 +18,7 @@ pub mod flutter;
 pub mod interpolation;
 pub mod modes;
 pub mod print;
+mod splines;
 mod strip;
 pub mod structure;
 
