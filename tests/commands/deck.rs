@@ -62,3 +62,12 @@ fn settings_do_not_reach_into_a_deck() {
     let case = with_deck("swept_plate.bdf");
     case.run("dlm", &["flutter", "wing.bdf", "--set", "flow.mach=0.5"]).exits(2).says(&["--set"]);
 }
+
+/// A mode file without modes, and one beside a case file, are refused.
+#[test]
+fn mode_files_that_cannot_serve_are_refused() {
+    let case = with_deck("swept_plate.bdf");
+    std::fs::write(case.path("none.pch"), "$TITLE\n").unwrap();
+    case.run("dlm", &["flutter", "wing.bdf", "--modes", "none.pch"]).exits(2).says(&["none.pch"]);
+    case.run("dlm", &["flutter", "flutter.toml", "--modes", "none.pch"]).exits(2).says(&["--modes"]);
+}

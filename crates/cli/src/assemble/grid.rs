@@ -1,9 +1,10 @@
-//! From recipes to grids, with the hash by which results name the grid they were made on.
+//! From recipes and grid files to grids, with the hash by which results name the grid they were made on.
 
 use crate::exit::Stop;
 use dip_case::Document;
 use dip_case::file::MeshTable;
-use dip_grid::recipe::{self, RecipeError};
+use dip_grid::file::{self, FileError};
+use dip_grid::recipe::RecipeError;
 use dip_grid::split;
 use dip_grid::topology::{MultiBlock, Side};
 use sha2::{Digest, Sha256};
@@ -18,33 +19,64 @@ pub struct Loaded {
     pub hash: String,
 }
 
-impl Loaded {
-    fn new(grid: MultiBlock) -> Self {
-        let hash = hash(&grid);
-        Self { grid, hash }
-    }
-}
-
-/// The grid of a file that a user names.
+/// The grid of a recipe or grid file that a user names, as it stands there. Says on stderr what was done to it.
 ///
 /// # Errors
 /// What is wrong in the file, with its line where it has one.
-pub fn read(path: &Path) -> Result<Loaded, Stop> {
-    Ok(Loaded::new(make(path)?))
+pub fn read(path: &Path, boundary_conditions: Option<&Path>) -> Result<Loaded, Stop> {
+    let grid = open(path, boundary_conditions)?;
+    Ok(Loaded {
+        hash: hash(&grid),
+        grid,
+    })
 }
 
 /// The grid that `[mesh]` of a case names.
 ///
 /// # Errors
-/// What is wrong in the table or in the file that it names.
+/// What is wrong in the table or in the files that it names.
 pub fn from_case(document: &Document, table: &MeshTable) -> Result<Loaded, Stop> {
-    let path = document.path(&table.recipe);
-    if !path.exists() {
-        let message = format!("no recipe at {}", path.display());
-        let help = "paths are relative to the file that names them";
-        return Err(document.error("mesh.recipe", message, help).into());
+    let (key, named) = match (&table.recipe, &table.file) {
+        (Some(recipe), None) => ("mesh.recipe", recipe),
+        (None, Some(file)) => ("mesh.file", file),
+        (both, _) => {
+            let message = if both.is_some() { "both recipe and file" } else { "neither recipe nor file" };
+            return Err(document.error("mesh", message, "give one of them").into());
+        }
+    };
+    if table.recipe.is_some() && table.boundary_conditions.is_some() {
+        let message = "boundary_conditions goes with file; a recipe's grid has its conditions";
+        return Err(document.error("mesh.boundary_conditions", message, "leave it out").into());
     }
-    let mut grid = make(&path)?;
+    let is_recipe = named.extension().is_some_and(|e| e == "toml");
+    if is_recipe != table.recipe.is_some() {
+        let message = format!("{} is {} recipe", named.display(), if is_recipe { "a" } else { "no" });
+        let help = "recipe = \"....toml\" makes a grid, file = \"....xyz\" reads one";
+        return Err(document.error(key, message, help).into());
+    }
+    let exists = |key: &str, path: &Path| {
+        if path.is_file() {
+            return Ok(());
+        }
+        let message = format!("no file at {}", path.display());
+        Err(document.error(key, message, "paths are relative to the file that names them"))
+    };
+    let path = document.path(named);
+    exists(key, &path)?;
+    let conditions = table.boundary_conditions.as_ref().map(|p| document.path(p));
+    if let Some(p) = &conditions {
+        exists("mesh.boundary_conditions", p)?;
+    }
+    let mut grid = open(&path, conditions.as_deref())?;
+    if let Some(unit) = table.length_unit {
+        if unit.0 <= 0.0 {
+            let message = format!("{} m: needed a positive length", unit.0);
+            return Err(document
+                .error("mesh.length_unit", message, "length_unit = \"1 in\" for a grid in inches")
+                .into());
+        }
+        scale(&mut grid, unit.0);
+    }
     if let Some(blocks) = table.blocks {
         if blocks < grid.blocks.len() || blocks > 4096 {
             let message = format!("{blocks} blocks: needed {} to 4096", grid.blocks.len());
@@ -53,20 +85,55 @@ pub fn from_case(document: &Document, table: &MeshTable) -> Result<Loaded, Stop>
         }
         split::split_into(&mut grid, blocks);
     }
-    Ok(Loaded::new(grid))
+    Ok(Loaded {
+        hash: hash(&grid),
+        grid,
+    })
 }
 
-fn make(path: &Path) -> Result<MultiBlock, Stop> {
-    recipe::make(path).map_err(|error| {
-        let help = match &error {
-            RecipeError::Read { .. } => "check the path: paths inside a file are relative to that file",
-            RecipeError::Syntax { .. } | RecipeError::Key { .. } => "see docs/grids.md for the keys of a recipe",
-            RecipeError::Geometry { .. } => "check the ordinates and the wing's stations",
-            RecipeError::Generate { .. } => "change the number of cells or the spacing that the message names",
-            RecipeError::Coarsen { .. } => "every level needs an even number of cells in every direction",
-        };
-        Stop::input(error.to_string(), help)
-    })
+fn scale(grid: &mut MultiBlock, unit_m: f64) {
+    for block in &mut grid.blocks {
+        for coordinate in [&mut block.x, &mut block.y, &mut block.z] {
+            for value in coordinate {
+                *value *= unit_m;
+            }
+        }
+    }
+    for interface in &mut grid.topology.interfaces {
+        interface.translation = interface.translation.map(|t| t.map(|v| v * unit_m));
+    }
+}
+
+fn open(path: &Path, boundary_conditions: Option<&Path>) -> Result<MultiBlock, Stop> {
+    let opened = file::open(path, boundary_conditions).map_err(|e| explain(&e))?;
+    for note in &opened.notes {
+        tracing::info!("{note}");
+    }
+    Ok(opened.grid)
+}
+
+/// An error of the grid's files with what to do next: bad input, or a failure where the disk is to blame.
+pub fn explain(error: &FileError) -> Stop {
+    let help = match error {
+        FileError::Recipe(RecipeError::Read { .. }) => {
+            "check the path: paths inside a file are relative to that file"
+        }
+        FileError::Recipe(RecipeError::Syntax { .. } | RecipeError::Key { .. }) => {
+            "see docs/grids.md for the keys of a recipe"
+        }
+        FileError::Recipe(RecipeError::Geometry { .. }) => "check the ordinates and the wing's stations",
+        FileError::Recipe(RecipeError::Generate { .. }) => {
+            "change the number of cells or the spacing that the message names"
+        }
+        FileError::Recipe(RecipeError::Coarsen { .. }) => {
+            "every level needs an even number of cells in every direction"
+        }
+        FileError::Plot3d(_) => "needed a recipe (.toml) or a Plot3D grid file",
+        FileError::Boundary(_) | FileError::Nmf(_) => "see docs/grids.md for files of boundary conditions",
+        FileError::Io { .. } => "check the path, the disk's space and the folder's rights",
+        _ => "see docs/grids.md",
+    };
+    Stop::input(error.to_string(), help)
 }
 
 fn hash(grid: &MultiBlock) -> String {
@@ -100,7 +167,7 @@ fn hash(grid: &MultiBlock) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::hash;
+    use super::{hash, scale};
     use dip_grid::generate::box_grid;
 
     #[test]
@@ -113,5 +180,11 @@ mod tests {
         let mut renamed = grid.clone();
         renamed.topology.patches[0].name = "other".into();
         assert_ne!(hash(&grid), hash(&renamed));
+    }
+    #[test]
+    fn a_scaled_grid_is_the_same_shape() {
+        let mut inches = box_grid([0.0; 3], [1.0; 3], [2, 2, 2]);
+        scale(&mut inches, 0.0254);
+        assert_eq!(inches.bounds(), [[0.0; 3], [0.0254; 3]]);
     }
 }

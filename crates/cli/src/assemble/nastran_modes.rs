@@ -4,7 +4,8 @@ use crate::exit::Stop;
 use dip_case::Document;
 use dip_case::file::ModesTable;
 use dip_deck::coordinate::Geometry;
-use dip_modal::{ModeNode, Modes};
+use dip_deck::modes::modes_of_file;
+use dip_modal::Modes;
 use dip_nastran::{Deck, modes::read_modes};
 use std::path::Path;
 
@@ -37,66 +38,38 @@ pub fn read(document: &Document, keys: &ModesTable, path: &Path) -> Result<Modes
             "as in \"1 in\" and \"175.127 kg\"",
         ));
     }
-    // Scalar points of the file have no place and move nothing.
-    let placed: Vec<(usize, ModeNode)> = table
-        .points
-        .iter()
-        .enumerate()
-        .filter_map(|(i, id)| {
-            let at = frames.grid(*id)?;
-            let cd = deck.bulk.grids.get(id).map_or(0, |g| g.cd);
-            let frame = frames.frame(cd).map(|f| f.directions(at))?;
-            Some((
-                i,
-                ModeNode {
-                    id: *id,
-                    position: at * unit,
-                    frame,
-                },
-            ))
-        })
+    let mut modes = modes_of_file(&deck.bulk, &frames, &table)
+        .map_err(|e| wrong("geometry", e.to_string(), "give the deck that made this mode file"))?;
+    // Scalar points have no place and move no boxes.
+    let placed: Vec<usize> = (0..modes.nodes.len())
+        .filter(|n| frames.grid(modes.nodes[*n].id).is_some())
         .collect();
     if placed.is_empty() {
-        let message = format!(
-            "none of the {} points of the modes is a GRID of the deck",
-            table.points.len()
-        );
-        return Err(wrong("geometry", message, "give the deck that made this mode file"));
+        return Err(wrong(
+            "geometry",
+            "the modes have no grid points".to_owned(),
+            "print the modes of the structure's GRIDs",
+        ));
     }
-    let mut modes = Modes {
-        nodes: placed.iter().map(|(_, n)| n.clone()).collect(),
-        shapes: Vec::new(),
-        omega_rad_s: Vec::new(),
-        generalized_mass: Vec::new(),
-        residual: Vec::new(),
-    };
-    for (m, shape) in table.shapes.iter().enumerate() {
-        let Some(value) = table.eigenvalues.get(m) else {
-            return Err(wrong(
-                "file",
-                format!("mode {} has no eigenvalue in the file", m + 1),
-                "print the table of eigenvalues too",
-            ));
-        };
-        let given = keys
-            .generalized_masses
-            .as_ref()
-            .and_then(|list| list.get(m))
-            .map(|g| g.0);
-        let Some(mass) = given.or(value.generalized_mass.map(|g| g * mass_unit)) else {
+    modes.nodes = placed.iter().map(|n| modes.nodes[*n].clone()).collect();
+    for node in &mut modes.nodes {
+        node.position *= unit;
+    }
+    for shape in &mut modes.shapes {
+        // Displacements stay per unit of the generalized coordinate; rotations turn from per deck's length to per metre.
+        *shape = placed.iter().map(|n| rescale(shape[*n], unit)).collect();
+    }
+    let given = keys.generalized_masses.as_deref().unwrap_or_default();
+    for (m, mass) in modes.generalized_mass.iter_mut().enumerate() {
+        *mass = given.get(m).map_or(*mass * mass_unit, |g| g.0);
+        if mass.is_nan() || *mass <= 0.0 {
             let help = "add generalized_masses = [\"1 kg\", ...] (1 each for modes normalized to mass)";
             return Err(wrong(
                 "file",
-                format!("the file has no generalized mass for mode {}", m + 1),
+                format!("generalized mass {mass} of mode {}", m + 1),
                 help,
             ));
-        };
-        // Rotations are per the deck's unit of displacement: per metre they are smaller by the unit.
-        modes
-            .shapes
-            .push(placed.iter().map(|(i, _)| rescale(shape[*i], unit)).collect());
-        modes.omega_rad_s.push(value.freq_hz * std::f64::consts::TAU);
-        modes.generalized_mass.push(mass);
+        }
     }
     Ok(modes)
 }

@@ -8,6 +8,8 @@ use crate::progress::{Seconds, Timer};
 use crate::stamp::{Fingerprint, Stamp};
 use crate::traces::MachCurves;
 use dip_deck::SubcaseResult;
+use dip_deck::print::{generalized_forces, method_name};
+use dip_nastran::modes::read_modes;
 use dip_nastran::{Deck, Severity};
 use serde::Serialize;
 use std::path::Path;
@@ -69,7 +71,7 @@ struct Crossing {
 }
 
 /// Runs a deck.
-pub fn run(path: &Path, common: &Common) -> Result<Done, Stop> {
+pub fn run(path: &Path, modes: Option<&Path>, common: &Common) -> Result<Done, Stop> {
     let timer = Timer::start();
     if !common.set.is_empty() {
         return Err(Stop::input(
@@ -83,9 +85,24 @@ pub fn run(path: &Path, common: &Common) -> Result<Done, Stop> {
     fingerprint
         .file(path.to_path_buf())
         .text(&format!("{:?}{:?}", deck.control, deck.bulk));
+    if let Some(file) = modes {
+        fingerprint.file(file.to_path_buf());
+    }
     let stamp = fingerprint.stamp();
     let folder = RunFolder::open(&common.folder(path), &stamp, common.force)?;
-    let solution = dip_deck::solve(&deck).map_err(|e| Stop::input(e.to_string(), "correct the deck"))?;
+    let solution = match modes {
+        None => dip_deck::solve(&deck),
+        Some(file) => {
+            let table = read_modes(file).map_err(|e| {
+                Stop::input(
+                    format!("{}: {e}", file.display()),
+                    "give an f06, punch or op2 with real eigenvectors",
+                )
+            })?;
+            dip_deck::solve_with_modes(&deck, &table)
+        }
+    }
+    .map_err(|e| Stop::input(e.to_string(), "correct the deck"))?;
 
     let said = |severity: Severity| {
         solution
@@ -118,6 +135,10 @@ pub fn run(path: &Path, common: &Common) -> Result<Done, Stop> {
     let text = solution.text();
     folder.write("flutter.txt", text.as_bytes())?;
     for s in &solution.subcases {
+        let mut qhh = String::new();
+        // Writing to a string cannot fail.
+        let _ = generalized_forces(&mut qhh, &s.forces);
+        folder.write(&format!("qhh_subcase{}.txt", s.id), qhh.as_bytes())?;
         for (i, f) in s.summaries.iter().enumerate() {
             let Some(curves) = &f.solution else { continue };
             let figure = figures::vg(&MachCurves::new(curves), "Speed, the deck's unit")?;
@@ -158,7 +179,7 @@ fn subcase(result: &SubcaseResult) -> SubcaseSummary {
     for s in &result.summaries {
         for p in &s.points {
             flutter.extend(p.rows.iter().map(|r| Point {
-                method: format!("{:?}", s.method).to_uppercase(),
+                method: method_name(s.method).to_owned(),
                 mach: r.mach,
                 density_ratio: r.density_ratio,
                 point: p.number,

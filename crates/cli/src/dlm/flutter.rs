@@ -19,6 +19,9 @@ pub struct Args {
     /// Influence coefficients stored by `dlm aic --store`, for the same lattice, Mach numbers and reduced frequencies
     #[arg(long, value_name = "FILE")]
     aic: Option<PathBuf>,
+    /// For a deck: take the modes of this file (f06, punch, op2) instead of the deck's own structure
+    #[arg(long, value_name = "FILE")]
+    modes: Option<PathBuf>,
     #[command(flatten)]
     common: Common,
 }
@@ -47,13 +50,19 @@ pub fn run(args: &Args) -> Result<Done, Stop> {
         ["bdf", "dat", "nas", "inp", "dec", "nastran"].contains(&e.to_string_lossy().to_lowercase().as_str())
     });
     if deck {
-        super::deck::run(&args.case, &args.common)
+        super::deck::run(&args.case, args.modes.as_deref(), &args.common)
     } else {
         case(args)
     }
 }
 
 fn case(args: &Args) -> Result<Done, Stop> {
+    if args.modes.is_some() {
+        return Err(Stop::input(
+            "--modes goes with a deck",
+            "in a case file give [modes] file and geometry",
+        ));
+    }
     let timer = Timer::start();
     let case = FlutterCase::read(args.common.document(&args.case)?)?;
     let stamp = case.fingerprint.stamp();
