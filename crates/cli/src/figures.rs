@@ -48,6 +48,11 @@ pub fn vg(curves: &MachCurves, speed_label: &str) -> Result<Figure, Stop> {
     let mut figure = dip_report::vg(title, &modes, &crossings).map_err(|e| drawing(&e))?;
     for chart in figure.rows.iter_mut().flatten() {
         speed_label.clone_into(&mut chart.x.label);
+        if speed_label != SPEED {
+            for note in &mut chart.annotations {
+                note.text = note.text.replace(" m/s", "");
+            }
+        }
     }
     Ok(figure)
 }
