@@ -564,7 +564,11 @@ fn check_flutter(document: &Document, table: &FlutterTable, machs: usize) -> Res
         }
     } else if table.methods.iter().any(|m| matches!(m, Method::K | Method::Ke)) {
         let message = "K and KE have the speed as a result: they cannot follow the altitude of a matched point";
-        return Err(document.error("flutter.methods", message, "use pk, pk-british or g with search = \"matched-point\""));
+        return Err(document.error(
+            "flutter.methods",
+            message,
+            "use pk, pk-british or g with search = \"matched-point\"",
+        ));
     } else if table.densities.is_some() || table.altitudes.is_some() {
         let help = "search = \"matched-point\" finds the altitude: leave out densities and altitudes";
         return Err(document.error("flutter.search", "densities or altitudes beside a matched point", help));

@@ -155,11 +155,21 @@ pub fn run(path: &Path, modes: Option<&Path>, common: &Common) -> Result<Done, S
         output::print(&text);
         tracing::info!("results in {}", folder.path().display());
     }
-    Ok(if summary.warnings.is_empty() {
-        Done::Clean
-    } else {
-        Done::LookAt
-    })
+    Ok(if look_at(&solution) { Done::LookAt } else { Done::Clean })
+}
+
+/// True where the user must look: a note that says so, a root that was lost or is uncertain, a crossing that rests on no data.
+/// Rows beyond the reduced frequencies of the MKAERO cards are warned of, but they are how decks list their curves.
+fn look_at(solution: &Solution) -> bool {
+    let curves = |s: &FlutterSummary| match &s.solution {
+        None => !s.warnings.is_empty(),
+        Some(f) => {
+            f.warnings.iter().any(|w| !matches!(w, Warning::OutOfRange { .. }))
+                || f.crossings.iter().any(|c| c.k_range != KRange::Inside)
+        }
+    };
+    solution.notes.iter().any(|n| n.severity == Severity::Warning)
+        || solution.subcases.iter().flat_map(|s| &s.summaries).any(curves)
 }
 
 fn subcase(result: &SubcaseResult) -> SubcaseSummary {
