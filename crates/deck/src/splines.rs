@@ -10,7 +10,7 @@ use dip_dlm::{
 use dip_nastran::{
     Location,
     bulk::Bulk,
-    cards::aero::{SplineBoxes, SplineUsage, SurfaceSplineMethod},
+    cards::spline::{SplineBoxes, SplineUsage, SurfaceSplineMethod},
 };
 
 use crate::{

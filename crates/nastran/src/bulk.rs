@@ -8,16 +8,17 @@ use std::{
 use crate::{
     cards::{
         aero::{
-            Aero, BeamSpline, Body, ControlSurface, IdList, Panel, PanelProperty, RealList, SteadyAero, StripPanel,
-            StripProperty, SurfaceSpline,
+            Aero, Body, ControlSurface, IdList, Panel, PanelProperty, RealList, SteadyAero, StripPanel, StripProperty,
         },
         constraint::{DofSet, Equation, Interpolation, RigidBar, RigidBody},
         control::{DampingTable, Factors, Flutter, MachK, ModesRequest, Parameter},
         element::{Bar, BarDefaults, Genel, Rod, Scalar, Shell},
         geometry::{Coordinate, CoordinateKind, Grid, GridDefaults},
         mass::{MassMatrix, PointMass},
+        material::Material,
         matrix::{DofMatrices, DofMatrix, PlainMatrices, PlainMatrix},
-        property::{BarSection, Laminate, Material, RodSection, ScalarProperty, ShellSection},
+        property::{BarSection, Laminate, RodSection, ScalarProperty, ShellSection},
+        spline::{BeamSpline, SurfaceSpline},
     },
     entry::Entry,
     error::{DeckError, Location, Note, Severity},
@@ -26,7 +27,7 @@ use crate::{
 
 /// All entries of the bulk data section by type and number.
 #[derive(Debug, Clone, Default)]
-#[allow(
+#[expect(
     missing_docs,
     reason = "each field is named after the cards it holds, which its type documents"
 )]

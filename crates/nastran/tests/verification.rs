@@ -7,10 +7,11 @@ use std::{fs, path::Path};
 use dip_nastran::{
     Components, Deck, DeckErrors, Dof, Severity,
     cards::{
-        aero::{Division, SplineBoxes},
+        aero::Division,
         control::{FlutterMethod, MachK, Normalization},
         element::{MaterialDirection, Orientation, ScalarValue},
-        property::ElasticLaw,
+        material::ElasticLaw,
+        spline::SplineBoxes,
     },
 };
 use proptest::prelude::*;

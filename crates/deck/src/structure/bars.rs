@@ -7,7 +7,8 @@ use dip_nastran::{
     Location,
     cards::{
         element::{Orientation, RodSectionRef},
-        property::{ElasticLaw, RodSection},
+        material::ElasticLaw,
+        property::RodSection,
     },
 };
 use nalgebra::Vector3;

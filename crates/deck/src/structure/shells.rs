@@ -5,7 +5,8 @@ use std::collections::HashMap;
 use dip_modal::{Elasticity, Layup, Material, MaterialAxis, Ply, Shell, ShellNodes, ShellSection, ShellThickness};
 use dip_nastran::cards::{
     element::MaterialDirection,
-    property::{ElasticLaw, Laminate, ShellSection as DeckShellSection},
+    material::ElasticLaw,
+    property::{Laminate, ShellSection as DeckShellSection},
 };
 use nalgebra::{Matrix2, Matrix3, Vector3};
 

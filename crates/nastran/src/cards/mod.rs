@@ -7,5 +7,7 @@ pub mod control;
 pub mod element;
 pub mod geometry;
 pub mod mass;
+pub mod material;
 pub mod matrix;
 pub mod property;
+pub mod spline;
