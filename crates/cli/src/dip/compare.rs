@@ -15,6 +15,9 @@ use std::path::PathBuf;
 pub struct Args {
     /// The study file
     study: PathBuf,
+    /// Go on after an interrupt; finished curves of the same inputs are kept with or without it
+    #[arg(long)]
+    resume: bool,
     #[command(flatten)]
     common: Common,
 }
@@ -67,6 +70,7 @@ struct Summary<'a> {
 /// Runs the command.
 pub fn run(args: &Args) -> Result<Done, Stop> {
     args.common.start()?;
+    study_run::refuse_resume_with_force(args.resume, &args.common)?;
     let timer = Timer::start();
     let study = Study::read(&args.study, &args.common.set)?;
     let stamp = study.fingerprint.stamp();

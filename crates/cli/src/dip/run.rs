@@ -14,6 +14,9 @@ use std::path::{Path, PathBuf};
 pub struct Args {
     /// The study file
     study: PathBuf,
+    /// Go on after an interrupt; finished curves of the same inputs are kept with or without it
+    #[arg(long)]
+    resume: bool,
     #[command(flatten)]
     common: Common,
 }
@@ -21,6 +24,7 @@ pub struct Args {
 /// Runs the command.
 pub fn run(args: &Args) -> Result<Done, Stop> {
     args.common.start()?;
+    refuse_resume_with_force(args.resume, &args.common)?;
     let study = Study::read(&args.study, &args.common.set)?;
     let folder = args.common.folder(&args.study);
     let results = curves(&study, &folder, &args.common)?;
@@ -29,6 +33,20 @@ pub fn run(args: &Args) -> Result<Done, Stop> {
     }
     let look = results.iter().any(|r| !r.warnings.is_empty());
     Ok(if look { Done::LookAt } else { Done::Clean })
+}
+
+/// `--force` computes everything anew, which is not going on.
+///
+/// # Errors
+/// Both of them given.
+pub fn refuse_resume_with_force(resume: bool, common: &Common) -> Result<(), Stop> {
+    if resume && common.force {
+        return Err(Stop::input(
+            "--resume and --force contradict each other",
+            "--resume keeps what is there, --force computes it anew",
+        ));
+    }
+    Ok(())
 }
 
 /// The curves of a study: read where they are there, computed where they are not.
