@@ -13,6 +13,7 @@
 use rayon::prelude::*;
 
 use crate::dense::{multiply_add, multiply_subtract, zero_lanes};
+use crate::vector::PIECE;
 use crate::{BLOCK, Bilu, BlockMatrix, KrylovError, Storage, VARIABLES};
 
 /// A coupling of an outermost cell of a block to a cell of another block (or to the other end of its own).
@@ -217,6 +218,15 @@ impl<S: Storage> Multilevel<S> {
         &mut self.levels[0].matrix
     }
 
+    /// Matrices of the finest level.
+    ///
+    /// # Panics
+    /// If it was made without a level.
+    #[must_use]
+    pub fn finest(&self) -> &LevelMatrix<S> {
+        &self.levels[0].matrix
+    }
+
     /// Sums up the coarse matrices and factors all levels.
     ///
     /// # Errors
@@ -286,24 +296,44 @@ fn cycle<S: Storage, R: Storage>(levels: &mut [CycleLevel<S>], r: &[R], z: &mut 
     };
     let mut rhs = std::mem::take(&mut next.rhs);
     let mut solution = std::mem::take(&mut next.solution);
-    rhs.fill(S::default());
-    for (parent, from) in level.parents.iter().zip(r.chunks_exact(VARIABLES)) {
-        let to = &mut rhs[*parent as usize * VARIABLES..][..VARIABLES];
-        for (t, f) in to.iter_mut().zip(from) {
-            *t = *t + S::from_f64(f.to_f64());
-        }
-    }
+    // A block's aggregates are its own cells: every block sums for itself, in the order of the cells.
+    let (fine, coarse) = (&level.matrix, &next.matrix);
+    let parents = &level.parents;
+    split(&mut rhs, &coarse.blocks)
+        .into_par_iter()
+        .enumerate()
+        .for_each(|(b, rhs)| {
+            rhs.fill(S::default());
+            let range = fine.offsets[b]..fine.offsets[b] + fine.blocks[b].cell_count();
+            let r = &r[range.start * VARIABLES..range.end * VARIABLES];
+            for (parent, from) in parents[range].iter().zip(r.chunks_exact(VARIABLES)) {
+                let to = &mut rhs[(*parent as usize - coarse.offsets[b]) * VARIABLES..][..VARIABLES];
+                for (t, f) in to.iter_mut().zip(from) {
+                    *t = *t + S::from_f64(f.to_f64());
+                }
+            }
+        });
     cycle(coarser, &rhs, &mut solution);
-    for (parent, to) in level.parents.iter().zip(level.coarse_part.chunks_exact_mut(VARIABLES)) {
-        to.copy_from_slice(&solution[*parent as usize * VARIABLES..][..VARIABLES]);
-    }
+    level
+        .coarse_part
+        .par_chunks_mut(PIECE)
+        .zip(level.parents.par_chunks(PIECE / VARIABLES))
+        .for_each(|(to, parents)| {
+            for (parent, to) in parents.iter().zip(to.chunks_exact_mut(VARIABLES)) {
+                to.copy_from_slice(&solution[*parent as usize * VARIABLES..][..VARIABLES]);
+            }
+        });
     coarser[0].rhs = rhs;
     coarser[0].solution = solution;
     level.matrix.residual(r, &level.coarse_part, &mut level.rest);
     smooth(&level.matrix, &level.factors, &level.rest, z);
-    for (t, c) in z.iter_mut().zip(&level.coarse_part) {
-        *t = *t + *c;
-    }
+    z.par_chunks_mut(PIECE)
+        .zip(level.coarse_part.par_chunks(PIECE))
+        .for_each(|(z, c)| {
+            for (t, c) in z.iter_mut().zip(c) {
+                *t = *t + *c;
+            }
+        });
 }
 
 impl<S: Storage> BlockMatrix<S> {

@@ -2,8 +2,10 @@
 
 use dip_krylov::dense::{SPARE, invert};
 use dip_krylov::{
-    BLOCK, Bilu, BlockMatrix, Direction, Gcg, GcgSettings, KrylovError, LinearOperator, Preconditioner, Storage,
-    VARIABLES, vector,
+    BLOCK, Bilu, BlockMatrix, Coupling, Direction, Gcg, GcgSettings, KrylovError, LinearOperator, Preconditioner,
+    Storage, VARIABLES,
+    multilevel::{LevelShape, Multilevel},
+    vector,
 };
 
 struct Random(u64);
@@ -301,4 +303,115 @@ fn results_are_the_same_bits_for_any_number_of_threads() {
             "{threads} threads"
         );
     }
+}
+
+/// Shapes of a level of two blocks along i and of the one merged from it in pairs along i and j.
+fn two_levels(cells: [usize; 3]) -> Vec<LevelShape> {
+    let coarse = [cells[0] / 2, cells[1] / 2, cells[2]];
+    let count = |c: [usize; 3]| c.iter().product::<usize>();
+    let couplings = |c: [usize; 3]| {
+        let mut out = Vec::new();
+        for row in 0..c[1] * c[2] {
+            let (end, start) = (c[0] - 1 + c[0] * row, c[0] * row);
+            let coupling = |block: u32, cell: usize, upper: bool, neighbour: usize| Coupling {
+                block,
+                cell: cell as u32,
+                direction: 0,
+                upper,
+                neighbour: neighbour as u32,
+            };
+            out.push(coupling(0, end, true, count(c) + start));
+            out.push(coupling(1, start, false, end));
+        }
+        out
+    };
+    let mut parents = Vec::new();
+    for block in 0..2 {
+        for cell in 0..count(cells) {
+            let [i, j, k] = [
+                cell % cells[0],
+                (cell / cells[0]) % cells[1],
+                cell / (cells[0] * cells[1]),
+            ];
+            parents.push((block * count(coarse) + i / 2 + coarse[0] * (j / 2 + coarse[1] * k)) as u32);
+        }
+    }
+    vec![
+        LevelShape {
+            cells: vec![cells; 2],
+            couplings: couplings(cells),
+            parents,
+        },
+        LevelShape {
+            cells: vec![coarse; 2],
+            couplings: couplings(coarse),
+            parents: Vec::new(),
+        },
+    ]
+}
+
+/// An upwind transport matrix on two blocks, with the couplings between them.
+fn transport(multilevel: &mut Multilevel<f64>, speed: [f64; 3]) {
+    for matrix in &mut multilevel.finest_mut().blocks {
+        for cell in 0..matrix.cell_count() {
+            for v in 0..VARIABLES {
+                matrix.diagonal_mut(cell)[v + VARIABLES * v] = 1e-3 + speed.iter().sum::<f64>();
+                for (d, s) in Direction::ALL.into_iter().zip(speed) {
+                    matrix.lower_mut(cell, d)[v + VARIABLES * v] = -s;
+                }
+            }
+        }
+    }
+}
+
+struct Cycle<'a>(&'a mut Multilevel<f64>);
+impl Preconditioner<f64> for Cycle<'_> {
+    fn solve(&mut self, r: &[f64], z: &mut [f64]) {
+        self.0.solve(r, z);
+    }
+}
+struct Whole<'a>(&'a Multilevel<f64>);
+impl LinearOperator<f64> for Whole<'_> {
+    fn apply(&mut self, x: &[f64], y: &mut [f64]) -> Result<(), KrylovError> {
+        let zero = vec![0.0; x.len()];
+        self.0.finest().residual(&zero, x, y);
+        y.iter_mut().for_each(|v| *v = -*v);
+        Ok(())
+    }
+}
+
+#[test]
+fn a_coarse_level_speeds_up_convergence() {
+    let cells = [32, 24, 4];
+    let shapes = two_levels(cells);
+    let n = 2 * cells.iter().product::<usize>();
+    let solve = |shapes: Vec<LevelShape>| {
+        let mut multilevel = Multilevel::<f64>::new(shapes);
+        // Flow from the second block into the first as well: nothing is triangular for the smoother.
+        transport(&mut multilevel, [1.0, 0.3, 0.1]);
+        multilevel.factor().expect("dominant matrix");
+        let operator = multilevel.clone();
+        let mut b: Vec<f64> = random_vector(n, 3);
+        let mut x = vec![0.0; b.len()];
+        let settings = GcgSettings {
+            tolerance: 1e-8,
+            max_iterations: 60,
+            directions: 60,
+        };
+        let out = Gcg::new()
+            .solve(
+                &mut Whole(&operator),
+                &mut Cycle(&mut multilevel),
+                &settings,
+                &mut b,
+                &mut x,
+            )
+            .expect("no breakdown");
+        assert!(out.converged, "{out:?}");
+        out.iterations
+    };
+    let mut one = vec![shapes[0].clone()];
+    one[0].parents.clear();
+    let (single, two) = (solve(one), solve(shapes));
+    assert!(two < single, "{two} iterations with a coarse level, {single} without");
 }

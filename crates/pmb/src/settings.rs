@@ -147,7 +147,7 @@ impl Default for SolverSettings {
             cfl_growth: 5.0,
             coarse_orders: 2.0,
             directions: 35,
-            max_products: 60,
+            max_products: 45,
         }
     }
 }

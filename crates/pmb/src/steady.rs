@@ -436,7 +436,13 @@ impl<'a> Run<'a> {
     fn accept(&mut self, new: f64, part: f64, outcome: &GcgOutcome) {
         let ratio = self.norm / new;
         let growth = self.settings.solver.cfl_growth;
-        // A linear system that GCG cannot reduce is too stiff: a smaller time step makes it easier and costs less.
+        // A linear system that GCG can hardly reduce is too stiff: a smaller time step makes it easier and costs less.
+        const HARD: usize = 30;
+        let growth = if self.orders() < 4.0 && outcome.iterations > HARD {
+            growth.min(1.5)
+        } else {
+            growth
+        };
         let solvable = if outcome.reduction > 0.5 { 0.25 } else { 1.0 };
         self.cfl *= solvable
             * if part < 1.0 {
