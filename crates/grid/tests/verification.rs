@@ -372,6 +372,28 @@ mod generated {
         }
     }
 
+    #[test]
+    fn cambered_thick_and_thin_sections_make_good_grids() {
+        for digits in ["4412", "6409", "2424", "0003"] {
+            for kind in [AerofoilKind::C, AerofoilKind::O] {
+                let section = Section::naca4(digits)
+                    .unwrap()
+                    .with_trailing_edge(TrailingEdge::Sharp)
+                    .unwrap();
+                let grid = AerofoilGrid {
+                    section,
+                    ..aerofoil(kind, TrailingEdge::Sharp, 1e-5)
+                }
+                .make()
+                .unwrap();
+                assert_good(&grid);
+                // A line that starts at the wrong place of the map leaves the wall askew.
+                let skewness = quality::check(&grid).figure(quality::names::SKEWNESS).unwrap().worst[0].value;
+                assert!(skewness < 45.0, "{digits} {kind:?} {skewness}");
+            }
+        }
+    }
+
     /// Wall nodes of a sharp section are on its formula; lines leave at a right angle (to the chord of two cells).
     #[test]
     fn aerofoil_walls_are_exact_and_lines_leave_them_at_right_angles() {
@@ -431,6 +453,24 @@ mod generated {
             assert_good(&wing_ch(1, tip).make().unwrap());
         }
         assert_good(&wing_oo(1).make().unwrap());
+        let mut twisted = wing_ch(1, TipShape::Rounded);
+        for (station, (twist_deg, z_le)) in twisted.wing.stations.iter_mut().zip([(1.0, 0.0), (-4.0, 0.1)]) {
+            station.twist_deg = twist_deg;
+            station.z_le = z_le;
+            station.section = Section::naca4("2412")
+                .unwrap()
+                .with_trailing_edge(TrailingEdge::Sharp)
+                .unwrap();
+        }
+        assert_good(&twisted.make().unwrap());
+        let refused = WingOo {
+            wing: twisted.wing,
+            ..wing_oo(1)
+        }
+        .make()
+        .unwrap_err()
+        .to_string();
+        assert!(refused.contains("symmetric sections"), "{refused}");
     }
 
     #[test]

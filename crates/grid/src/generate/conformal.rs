@@ -305,13 +305,25 @@ impl Conformal {
             // t = -cos(Re s / 2), see `o`.
             Wrap::Ellipse { .. } => 2.0 * (-t).clamp(-1.0, 1.0).acos(),
         };
-        if matches!(self.wrap, Wrap::Ellipse { .. }) && t.abs() >= 1.0 {
-            return if t > 0.0 { 2.0 * PI } else { 0.0 };
-        }
-        let wanted = self.unwrapped(p, guess);
+        let n = self.wall_s.len();
+        let (wanted, turn) = match self.wrap {
+            Wrap::Parabola { .. } => (self.unwrapped(p, guess), 0.0),
+            Wrap::Ellipse { .. } => {
+                // The trailing edge is a branch point of the wrap: Re s is known there, and round-off must not touch it.
+                let s = if t.abs() >= 1.0 {
+                    guess
+                } else {
+                    self.unwrapped(p, guess)
+                };
+                if s > self.wall_s[n - 1] {
+                    (s - 2.0 * PI, 2.0 * PI)
+                } else {
+                    (s, 0.0)
+                }
+            }
+        };
         let at = |a: f64| a - self.correction(Complex64::new(a, 0.0)).im;
         // The table gives a bracket; regula falsi with bisection closes it.
-        let n = self.wall_s.len();
         let m = self.wall_s.partition_point(|&s| s <= wanted);
         let (mut lo, mut hi) = match self.wrap {
             Wrap::Ellipse { .. } => (
@@ -320,7 +332,7 @@ impl Conformal {
                 } else {
                     self.wall_a[m - 1]
                 },
-                if m == n { 2.0 * PI } else { self.wall_a[m] },
+                self.wall_a[m.min(n - 1)],
             ),
             Wrap::Parabola { .. } if m == 0 => (10.0 * self.wall_a[0], self.wall_a[0]),
             Wrap::Parabola { .. } if m == n => (self.wall_a[n - 1], 10.0 * self.wall_a[n - 1]),
@@ -347,7 +359,7 @@ impl Conformal {
                 (hi, above) = (a, error);
             }
         }
-        a
+        a + turn
     }
 }
 
