@@ -516,6 +516,12 @@ mod generated {
         assert!(text.contains("use at least"), "{text}");
         made.wall_spacing = f64::NAN;
         assert!(made.make().unwrap_err().to_string().contains("wall_spacing"));
+        let mut far = wing_ch(1, TipShape::Rounded);
+        far.exit = f64::NAN;
+        assert!(far.make().unwrap_err().to_string().contains("exit"));
+        let mut coarse = wing_oo(1);
+        coarse.tip_spacing = 5.0;
+        assert!(coarse.make().unwrap_err().to_string().contains("tip_spacing"));
         let mut odd = wing_oo(2);
         odd.span = 15;
         assert!(odd.make().unwrap_err().to_string().contains("multiple of 2"));

@@ -1,10 +1,10 @@
 //! C and O grids round an aerofoil, one cell across.
 
-use super::GenerateError;
 use super::chord::{self, Kind, StationMaps};
 use super::line::spread;
 use super::plane_c::PlaneC;
 use super::spacing::geometric;
+use super::{GenerateError, check_count, check_growth, check_positive, check_step};
 use crate::block::Block;
 use crate::face::{Face, Window};
 use crate::geometry::{Section, Station, TrailingEdge};
@@ -142,18 +142,16 @@ impl AerofoilGrid {
     }
 
     fn check(&self) -> Result<(), GenerateError> {
-        let positive = [
+        for (name, value) in [
             ("chord", self.chord),
             ("wall_spacing", self.wall_spacing),
-            ("nose_spacing", self.nose_spacing),
-            ("tail_spacing", self.tail_spacing),
             ("far_field", self.far_field),
-        ];
-        for (name, value) in positive {
-            if !(value > 0.0 && value.is_finite()) {
-                return Err(GenerateError::setting(name, "a number above zero", value));
-            }
+        ] {
+            check_positive(name, value)?;
         }
+        check_step("nose_spacing", self.nose_spacing, 1.0)?;
+        check_step("tail_spacing", self.tail_spacing, 1.0)?;
+        check_growth(self.wake_growth)?;
         let counts = [
             ("surface", self.surface, 4),
             ("normal", self.normal, 2),
@@ -161,9 +159,7 @@ impl AerofoilGrid {
             ("base", self.base, 1),
         ];
         for (name, value, least) in counts {
-            if value < least {
-                return Err(GenerateError::setting(name, &format!("at least {least} cells"), value));
-            }
+            check_count(name, value, least, 1)?;
         }
         Ok(())
     }

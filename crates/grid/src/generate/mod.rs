@@ -87,3 +87,31 @@ fn check_count(name: &str, cells: usize, least: usize, stride: usize) -> Result<
     }
     Ok(())
 }
+
+/// A length or factor must be a finite number above zero.
+fn check_positive(name: &str, value: f64) -> Result<(), GenerateError> {
+    if value > 0.0 && value.is_finite() {
+        return Ok(());
+    }
+    Err(GenerateError::setting(name, "a number above zero", value))
+}
+
+/// A step must be above zero and below half of what it divides.
+fn check_step(name: &str, value: f64, whole: f64) -> Result<(), GenerateError> {
+    if value > 0.0 && value < 0.5 * whole {
+        return Ok(());
+    }
+    Err(GenerateError::setting(
+        name,
+        &format!("a step above zero and below {:.4}", 0.5 * whole),
+        value,
+    ))
+}
+
+/// A growth factor along the wake may be zero.
+fn check_growth(value: f64) -> Result<(), GenerateError> {
+    if value >= 0.0 && value.is_finite() {
+        return Ok(());
+    }
+    Err(GenerateError::setting("wake_growth", "zero or more", value))
+}

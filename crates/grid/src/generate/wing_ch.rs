@@ -6,7 +6,7 @@ use super::aerofoil::cells_for;
 use super::chord::{self, Kind, WingMaps};
 use super::plane_c::{Plane, PlaneC};
 use super::spacing::{geometric, two_sided};
-use super::{GenerateError, check_count};
+use super::{GenerateError, check_count, check_growth, check_positive, check_step};
 use crate::block::Block;
 use crate::face::{Face, Window};
 use crate::geometry::Wing;
@@ -105,19 +105,19 @@ impl WingCh {
 
     fn check(&self) -> Result<(), GenerateError> {
         self.wing.check()?;
-        let positive = [
+        let span = self.wing.tip_y() - self.wing.root_y();
+        for (name, value) in [
             ("wall_spacing", self.wall_spacing),
-            ("nose_spacing", self.nose_spacing),
-            ("tail_spacing", self.tail_spacing),
-            ("root_spacing", self.root_spacing),
-            ("tip_spacing", self.tip_spacing),
             ("far_field", self.far_field),
-        ];
-        for (name, value) in positive {
-            if !(value > 0.0 && value.is_finite()) {
-                return Err(GenerateError::setting(name, "a number above zero", value));
-            }
+            ("exit", self.exit),
+        ] {
+            check_positive(name, value)?;
         }
+        check_step("nose_spacing", self.nose_spacing, 1.0)?;
+        check_step("tail_spacing", self.tail_spacing, 1.0)?;
+        check_step("root_spacing", self.root_spacing, span)?;
+        check_step("tip_spacing", self.tip_spacing, span)?;
+        check_growth(self.wake_growth)?;
         let counts = [
             ("surface", self.surface, 4),
             ("normal", self.normal, 2),

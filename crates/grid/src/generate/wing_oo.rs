@@ -12,7 +12,7 @@ use super::aerofoil::cells_for;
 use super::chord::{self, Kind, WingMaps, mixed};
 use super::line::spread;
 use super::spacing::two_sided;
-use super::{GenerateError, check_count};
+use super::{GenerateError, check_count, check_positive, check_step};
 use crate::block::Block;
 use crate::face::{Face, Window};
 use crate::geometry::Wing;
@@ -127,19 +127,12 @@ impl WingOo {
                 ),
             ));
         }
-        let positive = [
-            ("wall_spacing", self.wall_spacing),
-            ("nose_spacing", self.nose_spacing),
-            ("tail_spacing", self.tail_spacing),
-            ("root_spacing", self.root_spacing),
-            ("tip_spacing", self.tip_spacing),
-        ];
-        for (name, value) in positive {
-            if !(value > 0.0 && value.is_finite()) {
-                return Err(GenerateError::setting(name, "a number above zero", value));
-            }
-        }
+        check_positive("wall_spacing", self.wall_spacing)?;
+        check_step("nose_spacing", self.nose_spacing, 1.0)?;
+        check_step("tail_spacing", self.tail_spacing, 1.0)?;
         let semispan = self.wing.tip_y() - self.wing.root_y();
+        check_step("root_spacing", self.root_spacing, semispan)?;
+        check_step("tip_spacing", self.tip_spacing, semispan)?;
         if !(self.far_field > 1.5 * semispan && self.far_field.is_finite()) {
             return Err(GenerateError::setting(
                 "far_field",

@@ -278,10 +278,13 @@ impl Recipe {
         let from = self.need(shape.from, "shape.from")?.map(|l| l.0);
         let to = self.need(shape.to, "shape.to")?.map(|l| l.0);
         let cells = self.need(self.cells.r#box, "cells.box")?;
-        if (0..3).any(|d| to[d].is_nan() || from[d].is_nan() || to[d] <= from[d]) || cells.contains(&0) {
+        if (0..3).any(|d| !to[d].is_finite() || !from[d].is_finite() || to[d] <= from[d]) || cells.contains(&0) {
             return Err(self.key("a box needs shape.to above shape.from in x, y and z, and at least one cell each way"));
         }
         let waviness = shape.waviness.unwrap_or(0.0);
+        if !(0.0..=0.1).contains(&waviness) {
+            return Err(self.key(format!("shape.waviness: 0 to 0.1 is needed, got {waviness}")));
+        }
         Ok(BoxGrid::new(from, to, cells)
             .wavy(waviness)
             .periodic(shape.periodic.unwrap_or_default())
