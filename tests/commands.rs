@@ -4,6 +4,8 @@ mod commands {
     pub mod bad_input;
     pub mod deck;
     pub mod flutter;
+    pub mod mesh;
     pub mod setup;
+    pub mod steady;
     pub mod study;
 }

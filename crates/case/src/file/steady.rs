@@ -96,6 +96,8 @@ pub struct SteadyTable {
     pub limiter_constant: Option<f64>,
     /// Steps between restart files; 50 if left out. One is written at the end in any case.
     pub checkpoint: Option<usize>,
+    /// Write the flow in all cells for ParaView (`flow.vtm`); true if left out.
+    pub paraview: Option<bool>,
 }
 
 /// What holds on far-field patches.

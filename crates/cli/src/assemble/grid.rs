@@ -40,13 +40,19 @@ pub fn from_case(document: &Document, table: &MeshTable) -> Result<Loaded, Stop>
         (Some(recipe), None) => ("mesh.recipe", recipe),
         (None, Some(file)) => ("mesh.file", file),
         (both, _) => {
-            let message = if both.is_some() { "both recipe and file" } else { "neither recipe nor file" };
+            let message = if both.is_some() {
+                "both recipe and file"
+            } else {
+                "neither recipe nor file"
+            };
             return Err(document.error("mesh", message, "give one of them").into());
         }
     };
     if table.recipe.is_some() && table.boundary_conditions.is_some() {
         let message = "boundary_conditions goes with file; a recipe's grid has its conditions";
-        return Err(document.error("mesh.boundary_conditions", message, "leave it out").into());
+        return Err(document
+            .error("mesh.boundary_conditions", message, "leave it out")
+            .into());
     }
     let is_recipe = named.extension().is_some_and(|e| e == "toml");
     if is_recipe != table.recipe.is_some() {
@@ -72,7 +78,11 @@ pub fn from_case(document: &Document, table: &MeshTable) -> Result<Loaded, Stop>
         if unit.0 <= 0.0 {
             let message = format!("{} m: needed a positive length", unit.0);
             return Err(document
-                .error("mesh.length_unit", message, "length_unit = \"1 in\" for a grid in inches")
+                .error(
+                    "mesh.length_unit",
+                    message,
+                    "length_unit = \"1 in\" for a grid in inches",
+                )
                 .into());
         }
         scale(&mut grid, unit.0);
@@ -115,9 +125,7 @@ fn open(path: &Path, boundary_conditions: Option<&Path>) -> Result<MultiBlock, S
 /// An error of the grid's files with what to do next: bad input, or a failure where the disk is to blame.
 pub fn explain(error: &FileError) -> Stop {
     let help = match error {
-        FileError::Recipe(RecipeError::Read { .. }) => {
-            "check the path: paths inside a file are relative to that file"
-        }
+        FileError::Recipe(RecipeError::Read { .. }) => "check the path: paths inside a file are relative to that file",
         FileError::Recipe(RecipeError::Syntax { .. } | RecipeError::Key { .. }) => {
             "see docs/grids.md for the keys of a recipe"
         }
@@ -131,7 +139,6 @@ pub fn explain(error: &FileError) -> Stop {
         FileError::Plot3d(_) => "needed a recipe (.toml) or a Plot3D grid file",
         FileError::Boundary(_) | FileError::Nmf(_) => "see docs/grids.md for files of boundary conditions",
         FileError::Io { .. } => "check the path, the disk's space and the folder's rights",
-        _ => "see docs/grids.md",
     };
     Stop::input(error.to_string(), help)
 }

@@ -18,7 +18,8 @@ struct Cli {
 
 const EXAMPLES: &str = "Examples:
   pmb mesh meshes/naca0012_c.toml -o runs/naca0012-grid
-  pmb mesh check meshes/agard445_ch_euler.toml
+  pmb mesh check grid.xyz
+  pmb mesh convert grid.xyz grid.vtm
   pmb steady cases/naca0012/steady.toml
   pmb steady cases/agard445/steady.toml --set flow.mach=0.678 --out runs/agard-M0678
   pmb steady cases/agard445/steady.toml --resume
@@ -27,7 +28,7 @@ Exit codes: 0 done; 1 failed; 2 bad arguments or input; 3 done, with a warning t
 
 #[derive(Debug, Subcommand)]
 enum Command {
-    /// Make a grid from a recipe, check it and draw it
+    /// Make a grid from a recipe; check or convert a grid
     Mesh(mesh::Args),
     /// Steady flow: forces, pressure cuts, history, restart file
     Steady(steady::Args),

@@ -1,19 +1,24 @@
-//! `pmb mesh RECIPE`: makes a grid, checks it and draws it.
+//! `pmb mesh RECIPE`: makes a grid, checks it, writes and draws it.
 
 use super::quality::{Quality, outcome};
+use super::target::Target;
 use crate::assemble::grid;
 use crate::exit::{Done, Stop};
 use crate::options::Common;
-use crate::output::{self, RunFolder};
+use crate::output;
 use crate::progress::{Seconds, Timer, check_interrupt, watch_interrupts};
 use crate::stamp::{Fingerprint, Stamp};
-use dip_grid::{picture, quality};
+use dip_grid::plot3d::Layout;
+use dip_grid::{file, picture, quality, vtk};
 use serde::Serialize;
 use std::path::PathBuf;
 
 /// Options of `pmb mesh RECIPE`.
 #[derive(Debug, clap::Args)]
-#[command(mut_arg("out", |a| a.short('o')), mut_arg("set", |a| a.hide(true)))]
+#[command(
+    mut_arg("out", |a| a.short('o').value_name("OUT").help("A grid file (.xyz, .vtm, ...), or a folder (default: runs/<recipe's folder>-<recipe>)")),
+    mut_arg("set", |a| a.hide(true))
+)]
 pub struct Args {
     /// The recipe (.toml)
     #[arg(required = true)]
@@ -22,7 +27,7 @@ pub struct Args {
     common: Common,
 }
 
-/// What `summary.json` holds.
+/// What the summary holds.
 #[derive(Debug, Serialize)]
 struct Summary {
     command: &'static str,
@@ -31,7 +36,8 @@ struct Summary {
     mesh_hash: String,
     #[serde(flatten)]
     quality: Quality,
-    files: Vec<String>,
+    grid: PathBuf,
+    pictures: Vec<PathBuf>,
     stages: Vec<(String, Seconds)>,
     total: Seconds,
 }
@@ -42,6 +48,12 @@ pub fn run(args: &Args) -> Result<Done, Stop> {
     let Some(recipe) = &args.recipe else {
         return Err(Stop::input("no recipe", "give one: pmb mesh RECIPE.toml"));
     };
+    if recipe.extension().is_none_or(|e| e != "toml") {
+        return Err(Stop::input(
+            format!("{} is no recipe: needed a .toml file", recipe.display()),
+            "`pmb mesh check FILE` looks at a grid, `pmb mesh convert IN OUT` converts one",
+        ));
+    }
     if !args.common.set.is_empty() {
         return Err(Stop::input(
             "--set does not go with a recipe",
@@ -54,13 +66,13 @@ pub fn run(args: &Args) -> Result<Done, Stop> {
     let mut stage = |name: &str, timer: &Timer| stages.push((name.to_owned(), timer.seconds()));
 
     let timer = Timer::start();
-    let loaded = grid::read(recipe)?;
+    let loaded = grid::read(recipe, None)?;
     stage("make", &timer);
     tracing::info!("{} cells in {:.2} s", loaded.grid.cell_count(), timer.seconds().wall_s);
     let mut fingerprint = Fingerprint::new();
     fingerprint.file(recipe.clone()).text(&loaded.hash);
     let stamp = fingerprint.stamp();
-    let folder = RunFolder::open(&args.common.folder(recipe), &stamp, args.common.force)?;
+    let target = Target::open(recipe, &args.common, &stamp)?;
     check_interrupt("nothing is written")?;
 
     let timer = Timer::start();
@@ -68,15 +80,16 @@ pub fn run(args: &Args) -> Result<Done, Stop> {
     stage("check", &timer);
 
     let timer = Timer::start();
-    let stem = recipe
-        .file_stem()
-        .map_or_else(|| "grid".into(), |s| s.to_string_lossy().into_owned());
-    let mut files = vec!["quality.txt".to_owned()];
-    folder.write("quality.txt", report.to_string().as_bytes())?;
-    for picture in picture::overview(&loaded.grid, &stem) {
-        let name = format!("{stem}-{}.svg", picture.name);
-        folder.write(&name, picture.svg.as_bytes())?;
-        files.push(name);
+    let notes = file::save(&target.grid, &loaded.grid, Layout::default()).map_err(|e| grid::explain(&e))?;
+    for note in notes {
+        tracing::info!("{note}");
+    }
+    target.write("-quality.txt", report.to_string().as_bytes())?;
+    let worst = target.beside("-worst.vtu");
+    vtk::write_worst(&worst, &loaded.grid, &report).map_err(|e| Target::failed(&worst, &e))?;
+    let mut pictures = Vec::new();
+    for picture in picture::overview(&loaded.grid, &target.title()) {
+        pictures.push(target.write(&format!("-{}.svg", picture.name), picture.svg.as_bytes())?);
     }
     stage("write", &timer);
 
@@ -86,16 +99,17 @@ pub fn run(args: &Args) -> Result<Done, Stop> {
         stop_reason: "done",
         mesh_hash: loaded.hash,
         quality: Quality::new(&loaded.grid, &report),
-        files,
+        grid: target.grid.clone(),
+        pictures,
         stages,
         total: total.seconds(),
     };
-    folder.write_json(output::SUMMARY, &summary)?;
+    target.write_summary(&output::json(&summary)?)?;
     if args.common.json {
         output::print(&output::json(&summary)?);
     } else {
         output::print(&report.to_string());
-        tracing::info!("results in {}", folder.path().display());
+        tracing::info!("grid in {}, pictures beside it", target.grid.display());
     }
     Ok(outcome(&report))
 }

@@ -4,6 +4,8 @@ use super::cuts::{Cut, Measured, of_cut};
 use crate::exit::Stop;
 use crate::figures::drawing;
 use crate::output::RunFolder;
+use dip_grid::MultiBlock;
+use dip_grid::vtk::{self, Field, On};
 use dip_pmb::observer::Progress;
 use dip_pmb::settings::{FlowSettings, SteadySettings};
 use dip_pmb::steady::SteadyResult;
@@ -38,6 +40,56 @@ pub fn write(
         folder.write("cp.svg", cuts_svg(&settings.flow, &drawn, measured)?.as_bytes())?;
     }
     Ok(())
+}
+
+/// Density, velocity and pressure (over the stream's density and speed), Mach number and Cp of every cell, for ParaView.
+/// A run that ended on a coarser level has none.
+///
+/// # Errors
+/// What the file system says.
+pub fn write_flow(
+    folder: &RunFolder,
+    flow: &FlowSettings,
+    grid: &MultiBlock,
+    result: &SteadyResult,
+) -> Result<(), Stop> {
+    if result.snapshot.level != 0 {
+        return Ok(());
+    }
+    let names = [("density", 1), ("velocity", 3), ("pressure", 1), ("mach", 1), ("cp", 1)];
+    let mut fields: Vec<Field> = names
+        .into_iter()
+        .map(|(name, components)| Field {
+            name: name.to_owned(),
+            on: On::Cells,
+            components,
+            values: Vec::with_capacity(grid.blocks.len()),
+        })
+        .collect();
+    let stream = flow.state()[4];
+    let mut cells = result.snapshot.unknowns.chunks_exact(5);
+    for block in &grid.blocks {
+        let mut values: [Vec<f64>; 5] = Default::default();
+        for w in cells.by_ref().take(block.cell_count()) {
+            let [rho, u, v, w, p] = [w[0], w[1], w[2], w[3], w[4]];
+            let speed = (u * u + v * v + w * w).sqrt();
+            values[0].push(rho);
+            values[1].extend([u, v, w]);
+            values[2].push(p);
+            values[3].push(speed / (flow.gamma * p / rho).sqrt());
+            values[4].push(2.0 * (p - stream));
+        }
+        for (field, values) in fields.iter_mut().zip(values) {
+            field.values.push(values);
+        }
+    }
+    let path = folder.path().join("flow.vtm");
+    vtk::write(&path, grid, &fields).map_err(|e| {
+        Stop::failed(
+            format!("{}: cannot write: {e}", path.display()),
+            "check the disk's space, or leave the file out: --set steady.paraview=false",
+        )
+    })
 }
 
 fn history_csv(history: &[Progress]) -> String {

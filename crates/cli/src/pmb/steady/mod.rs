@@ -11,14 +11,13 @@ use crate::output::{self, RunFolder};
 use crate::progress::{Seconds, Timer, watch_interrupts};
 use crate::stamp::{Fingerprint, Stamp};
 use cuts::Cut;
-use dip_case::Document;
 use dip_case::file::{FlowModel, SteadyFile};
 use dip_pmb::loads::Coefficients;
 use dip_pmb::settings::{FlowSettings, Reference};
 use dip_pmb::steady::{self as solver, SteadyResult, StopReason};
 use serde::Serialize;
 use std::collections::BTreeMap;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// The restart file.
 const RESTART: &str = "restart.pmb";
@@ -137,6 +136,9 @@ pub fn run(args: &Args) -> Result<Done, Stop> {
     let timer = Timer::start();
     let cuts = cuts::make(&etas, &mesh.grid, &result);
     files::write(&folder, &settings, &result, &cuts, &measured)?;
+    if file.steady.paraview.unwrap_or(true) {
+        files::write_flow(&folder, &settings.flow, &mesh.grid, &result)?;
+    }
     stages.push(("write".to_owned(), timer.seconds()));
 
     let warnings = warnings(&result, settings.solver.orders, &cuts);
@@ -182,12 +184,11 @@ pub fn run(args: &Args) -> Result<Done, Stop> {
         output::print(&table(&settings.flow, &result));
         tracing::info!("results in {}", folder.path().display());
     }
-    ended(&args.case, &document, &folder, &result)
+    ended(&args.case, &folder, &result)
 }
 
 /// Exit code 0, 3 or 130.
-fn ended(case: &std::path::Path, document: &Document, folder: &RunFolder, result: &SteadyResult) -> Result<Done, Stop> {
-    debug_assert_eq!(case, document.file());
+fn ended(case: &Path, folder: &RunFolder, result: &SteadyResult) -> Result<Done, Stop> {
     match result.stop {
         StopReason::Interrupted => Err(Stop::Interrupted(format!(
             "{} steps are in {}; `pmb steady {} --out {} --resume` goes on",
