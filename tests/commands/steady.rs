@@ -54,7 +54,7 @@ fn a_case_converges_and_says_so() {
     assert!(printed["residual_drop_orders"].as_f64().unwrap() > 9.0, "{printed}");
     assert_eq!(printed["cells"], 128 * 24);
     assert_eq!(printed["iterations"].as_u64().unwrap() as usize + 1, history(&case, "out").len());
-    // Coarse, but the transonic flow it is: AGARD AR-211 gives 0.347 to 0.363 and 0.0220 to 0.0242 on fine grids.
+    // A quarter of the cells, but the flow it is: on fine grids others have CL 0.347 to 0.356, CD 0.0220 to 0.0232.
     let (cl, cd) = (printed["cl"].as_f64().unwrap(), printed["cd"].as_f64().unwrap());
     assert!((0.30..0.38).contains(&cl) && (0.018..0.030).contains(&cd), "CL {cl}, CD {cd}");
     for file in ["history.svg", "cp.csv", "cp.svg", "surface.csv", "flow.vtm", "flow/0.vts", "restart.pmb"] {
@@ -115,7 +115,8 @@ fn an_interrupted_run_is_exit_code_130_and_goes_on() {
         .unwrap();
     let mut lines = BufReader::new(child.stderr.take().unwrap()).lines().map(Result::unwrap);
     assert!(lines.any(|l| l.contains("step    1")), "no first step");
-    let signal = Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap();
+    // The shell's own kill: there may be no program of that name.
+    let signal = Command::new("sh").args(["-c", &format!("kill -INT {}", child.id())]).status().unwrap();
     assert!(signal.success());
     let rest: Vec<String> = lines.collect();
     assert_eq!(child.wait().unwrap().code(), Some(130), "{rest:?}");
