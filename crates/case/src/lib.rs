@@ -5,7 +5,7 @@
 //! * [`units`] reads quantities such as `"0.2082 kg/m^3"`;
 //! * [`file`] holds one type for each kind of case file, one doc comment for each key;
 //! * [`atmosphere`] is the U.S. Standard Atmosphere 1976;
-//! * [`scales`] is the one place that knows reduced frequency and flutter speed index.
+//! * [`scales`] is the one place that knows reduced frequency.
 
 pub mod airfoil;
 pub mod atmosphere;
