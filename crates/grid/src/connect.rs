@@ -3,6 +3,7 @@
 use std::collections::HashMap;
 use std::fmt;
 
+use crate::block::Block;
 use crate::face::{Face, Window};
 use crate::topology::{Condition, Interface, MultiBlock, Orientation, Patch, Side};
 use crate::vector::{add, distance};
@@ -10,7 +11,8 @@ use crate::vector::{add, distance};
 /// How points are matched.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Options {
-    /// Two points nearer than this are one. `None`: 1e-9 of the grid's diagonal (2e-7 suits single precision files).
+    /// Two points nearer than this are one. `None`: 1e-9 of the grid's diagonal (2e-7 suits single precision files). It is
+    /// never more than a tenth of the shortest edge at the point, so that the fine steps at a wall stay apart.
     pub tolerance: Option<f64>,
     /// Translations by which faces may match periodically.
     pub periodic: Vec<[f64; 3]>,
@@ -156,7 +158,7 @@ impl Finder {
                         for q in 0..=nq {
                             for p in 0..=np {
                                 let at = block.point_at(block.node_behind(face, p, q, 0));
-                                numbers.push(points.number(add(at, shift)));
+                                numbers.push(points.number(add(at, shift), 0.1 * shortest_edge(block, face, p, q)));
                             }
                         }
                         numbers
@@ -438,6 +440,25 @@ fn across(b: Cell, orientation: Orientation, dp: usize, dq: usize) -> Option<Cel
     })
 }
 
+/// Shortest edge at a face node, in the face and into the block; edges of no length do not count.
+fn shortest_edge(block: &Block, face: Face, p: usize, q: usize) -> f64 {
+    let [np, nq] = block.face_cells(face);
+    let here = block.point_at(block.node_behind(face, p, q, 0));
+    let others = [
+        (p > 0).then(|| block.node_behind(face, p - 1, q, 0)),
+        (p < np).then(|| block.node_behind(face, p + 1, q, 0)),
+        (q > 0).then(|| block.node_behind(face, p, q - 1, 0)),
+        (q < nq).then(|| block.node_behind(face, p, q + 1, 0)),
+        Some(block.node_behind(face, p, q, 1)),
+    ];
+    others
+        .into_iter()
+        .flatten()
+        .map(|ijk| distance(here, block.point_at(ijk)))
+        .filter(|&d| d > 0.0)
+        .fold(f64::INFINITY, f64::min)
+}
+
 fn window_on_b(b: Cell, orientation: Orientation, size: [usize; 2]) -> Window {
     let size = orientation.size(size);
     let range = |from: usize, n: usize, back: bool| {
@@ -470,7 +491,9 @@ struct Points {
 }
 
 impl Points {
-    fn number(&mut self, p: [f64; 3]) -> u32 {
+    /// The number of point `p`, where an equal point must not be further than `most` either.
+    fn number(&mut self, p: [f64; 3], most: f64) -> u32 {
+        let tolerance = self.tolerance.min(most);
         let width = 4.0 * self.tolerance;
         let scaled = p.map(|v| v / width);
         let home = scaled.map(|v| v.floor() as i64);
@@ -486,7 +509,7 @@ impl Points {
                         continue;
                     };
                     for &n in list {
-                        if distance(self.at[n as usize], p) <= self.tolerance {
+                        if distance(self.at[n as usize], p) <= tolerance {
                             return n;
                         }
                     }

@@ -344,6 +344,64 @@ fn two_dimensional_grids_of_other_programs_open_with_k_across() {
     }
 }
 
+/// Steps of 2e-6 chords at the wall, a far field at 500: the wake alone is an interface, also after rounding to single
+/// precision and with its sides a little apart.
+#[test]
+fn fine_steps_in_a_large_grid_stay_apart() {
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../meshes/naca0012_viscous.toml");
+    let made = recipe::make(std::path::Path::new(path)).unwrap();
+    let mut apart = made.clone();
+    let block = &mut apart.blocks[0];
+    for i in 0..block.ni / 4 {
+        let n = block.node(i, 0, 0);
+        block.z[n] += 1e-10;
+    }
+    for (mut grid, tolerance) in [(made.clone(), None), (apart, None), (rounded(&made), Some(2e-4))] {
+        grid.topology.interfaces.clear();
+        find_interfaces(
+            &mut grid,
+            &Options {
+                tolerance,
+                periodic: Vec::new(),
+            },
+        );
+        assert_eq!(grid.topology.interfaces, made.topology.interfaces);
+    }
+}
+
+#[test]
+fn pictures_are_drawings_of_the_grid() {
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../meshes/agard445_oo_coarsest.toml");
+    let grid = recipe::make(std::path::Path::new(path)).unwrap();
+    let pictures = dip_grid::picture::overview(&grid, "a < b");
+    let names: Vec<&str> = pictures.iter().map(|p| p.name.as_str()).collect();
+    for name in [
+        "surface",
+        "aslant",
+        "symmetry-plane",
+        "section",
+        "nose",
+        "tail",
+        "across",
+        "tip",
+    ] {
+        assert!(names.contains(&name), "{names:?}");
+    }
+    for picture in &pictures {
+        assert!(picture.svg.starts_with("<svg") && picture.svg.trim_end().ends_with("</svg>"));
+        assert!(
+            !picture.svg.contains("NaN") && !picture.svg.contains("inf"),
+            "{}",
+            picture.name
+        );
+        assert!(
+            picture.svg.contains("a &lt; b") && picture.svg.matches('L').count() > 8,
+            "{}",
+            picture.name
+        );
+    }
+}
+
 #[test]
 fn paraview_files_hold_every_value() {
     let folder = tempfile::tempdir().unwrap();
