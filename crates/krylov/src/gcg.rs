@@ -31,6 +31,8 @@ pub struct GcgSettings {
     pub tolerance: f64,
     /// Ends after as many products with the operator.
     pub max_iterations: usize,
+    /// Ends after as many products if `|r|` is then still above nine tenths of its first value: the system is out of reach.
+    pub patience: usize,
     /// Directions kept. When all are in use the oldest is given up (truncation).
     pub directions: usize,
 }
@@ -40,6 +42,7 @@ impl Default for GcgSettings {
         Self {
             tolerance: 0.1,
             max_iterations: 30,
+            patience: 30,
             directions: 10,
         }
     }
@@ -162,6 +165,13 @@ impl<S: Storage> Gcg<S> {
                     iterations: iteration + 1,
                     reduction,
                     converged: true,
+                });
+            }
+            if iteration + 1 == settings.patience && reduction > 0.9 {
+                return Ok(GcgOutcome {
+                    iterations: iteration + 1,
+                    reduction,
+                    converged: false,
                 });
             }
         }

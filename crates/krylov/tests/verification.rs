@@ -149,6 +149,7 @@ fn gcg_solves_and_its_residual_is_the_true_one() {
     let settings = GcgSettings {
         tolerance: 1e-12,
         max_iterations: 100,
+        patience: usize::MAX,
         directions: 12,
     };
     let out = Gcg::new()
@@ -173,6 +174,7 @@ fn single_precision_factors_and_directions_reach_single_precision_and_restarts_g
     let settings = GcgSettings {
         tolerance: 1e-5,
         max_iterations: 100,
+        patience: usize::MAX,
         directions: 12,
     };
     let mut gcg = Gcg::new();
@@ -220,6 +222,7 @@ fn gcg_minimizes_over_all_directions_it_keeps() {
     let settings = GcgSettings {
         tolerance: 1e-12,
         max_iterations: 20,
+        patience: usize::MAX,
         directions: 5,
     };
     let out = Gcg::new()
@@ -288,6 +291,7 @@ fn results_are_the_same_bits_for_any_number_of_threads() {
             let settings = GcgSettings {
                 tolerance: 1e-6,
                 max_iterations: 20,
+                patience: usize::MAX,
                 directions: 4,
             };
             Gcg::new()
@@ -396,6 +400,7 @@ fn a_coarse_level_speeds_up_convergence() {
         let settings = GcgSettings {
             tolerance: 1e-8,
             max_iterations: 60,
+            patience: usize::MAX,
             directions: 60,
         };
         let out = Gcg::new()

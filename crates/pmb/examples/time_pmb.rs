@@ -99,6 +99,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let settings = GcgSettings {
         tolerance: 1e-12,
         max_iterations: products,
+        patience: usize::MAX,
         directions: products,
     };
     let us = best(n, repetitions.min(5), || {

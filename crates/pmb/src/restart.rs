@@ -37,6 +37,8 @@ pub struct Snapshot {
     pub since_best: usize,
     /// CFL number of the next step.
     pub cfl: f64,
+    /// CFL number above which the linear systems were out of reach.
+    pub ceiling: f64,
     /// Linear tolerance's memory: residual norm before the last step.
     pub last_norm: f64,
     /// What was reported so far.

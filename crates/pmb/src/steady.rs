@@ -142,6 +142,9 @@ fn read_snapshot(settings: &SteadySettings, sequence: &Sequence) -> Result<Optio
     }
 }
 
+/// A CFL number that nothing reaches.
+const NO_CEILING: f64 = 1e30;
+
 struct Run<'a> {
     settings: &'a SteadySettings,
     sequence: Sequence,
@@ -153,6 +156,8 @@ struct Run<'a> {
     step: usize,
     level_step: usize,
     cfl: f64,
+    /// CFL number above which the linear systems were out of reach.
+    ceiling: f64,
     /// Residual norm of the undisturbed stream on this level.
     reference_norm: f64,
     norm: f64,
@@ -183,6 +188,7 @@ impl<'a> Run<'a> {
         let (solver, reference_norm, walls, vortex) = open_level(settings, grid, &sequence, level, limiter_constant)?;
         let mut run = Self {
             limiter_constant,
+            ceiling: NO_CEILING,
             best: f64::NEG_INFINITY,
             since_best: 0,
             settings,
@@ -207,6 +213,7 @@ impl<'a> Run<'a> {
             run.solver.set(&s.unknowns);
             run.solver.equations.check()?;
             (run.step, run.level_step, run.cfl, run.last_norm) = (s.step, s.level_step, s.cfl, s.last_norm);
+            run.ceiling = s.ceiling;
             (run.best, run.since_best) = (s.best.unwrap_or(f64::NEG_INFINITY), s.since_best);
             run.history = s.history;
             run.steps_before = run.step;
@@ -425,6 +432,7 @@ impl<'a> Run<'a> {
         let gcg = GcgSettings {
             tolerance,
             max_iterations: s.max_products,
+            patience: 20,
             directions,
         };
         let outcome = self.solver.solve(&gcg)?;
@@ -435,6 +443,7 @@ impl<'a> Run<'a> {
 
     fn accept(&mut self, new: f64, part: f64, outcome: &GcgOutcome) {
         let ratio = self.norm / new;
+        let tried_cfl = self.cfl;
         let growth = self.settings.solver.cfl_growth;
         // A linear system that GCG can hardly reduce is too stiff: a smaller time step makes it easier and costs less.
         const HARD: usize = 30;
@@ -450,7 +459,13 @@ impl<'a> Run<'a> {
             } else {
                 (1.5 * ratio).clamp(0.5, growth)
             };
-        self.cfl = self.cfl.min(1e12);
+        // Where one was met lies a ceiling, lifted a little by every step that goes well.
+        if outcome.reduction > 0.5 {
+            self.ceiling = 0.5 * tried_cfl;
+        } else {
+            self.ceiling *= 1.5;
+        }
+        self.cfl = self.cfl.min(self.ceiling).min(1e12);
         self.last_norm = self.norm;
         self.norm = new;
         self.step += 1;
@@ -524,6 +539,7 @@ impl<'a> Run<'a> {
         )?;
         self.limiter_constant = self.settings.limiter_constant;
         (self.best, self.since_best) = (f64::NEG_INFINITY, 0);
+        self.ceiling = NO_CEILING;
         let start = prolong(
             &self.sequence.maps[fine],
             &self.sequence.levels[fine],
@@ -556,6 +572,7 @@ impl<'a> Run<'a> {
             best: self.best.is_finite().then_some(self.best),
             since_best: self.since_best,
             cfl: self.cfl,
+            ceiling: self.ceiling,
             last_norm: self.last_norm,
             history: self.history.clone(),
             unknowns: self.solver.unknowns.clone(),

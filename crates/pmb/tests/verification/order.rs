@@ -112,6 +112,7 @@ fn error(grid: &MultiBlock, reconstruction: Reconstruction, exact: impl Fn([f64;
         let settings = GcgSettings {
             tolerance: 1e-3,
             max_iterations: 150,
+            patience: usize::MAX,
             directions: 60,
         };
         solver.solve(&settings).expect("no breakdown");
