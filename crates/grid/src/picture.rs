@@ -346,8 +346,15 @@ pub fn overview(grid: &MultiBlock, title: &str) -> Vec<Picture> {
                 let p = block.point(i, 0, patch.window.lo[1]);
                 let next = block.point((i + 1).min(block.ni), 0, patch.window.lo[1]);
                 let target = nose[0] + 0.5 * chord;
-                if patch.window.lo[1] == 0 && (p[0] - target) * (next[0] - target) <= 0.0 {
-                    across.push(Sheet::whole(patch.block, block, 0, i));
+                let at_root = (p[1] - lo[1]).abs() <= 1e-9 * (hi[1] - lo[1]);
+                if at_root && (p[0] - target) * (next[0] - target) <= 0.0 {
+                    // The nearer of the two nodes, so that both sides of the wing take the same one.
+                    let nearer = if (next[0] - target).abs() < (p[0] - target).abs() {
+                        i + 1
+                    } else {
+                        i
+                    };
+                    across.push(Sheet::whole(patch.block, block, 0, nearer.min(block.ni)));
                 }
             }
         }
