@@ -1,4 +1,4 @@
-//! Writes docs/validation/structure/README.md and its figures: `cargo run --release -p dip-modal --example validate`.
+//! Writes docs/validation/structure/README.md and its figures: `cargo run --release -p dip-modal --example validate_structure`.
 
 #[path = "../tests/support/published.rs"]
 mod published;
@@ -281,7 +281,7 @@ fn main() -> Outcome<()> {
     std::fs::create_dir_all(folder())?;
     let mut page = String::from(
         "# The structure against exact and published values\n\n\
-        Made by `cargo run --release -p dip-modal --example validate`. Quadrilaterals are DKMQ, triangles DKMT (in the thin limit DKQ and DKT); \
+        Made by `cargo run --release -p dip-modal --example validate_structure`. Quadrilaterals are DKMQ, triangles DKMT (in the thin limit DKQ and DKT); \
         data and sources in `tests/data/structural`. Exact checks (patch tests, Mindlin plate, beams, chains, constraints) are in \
         `crates/modal/tests/verification.rs`.\n\n",
     );

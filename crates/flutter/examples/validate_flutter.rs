@@ -1,6 +1,6 @@
 //! Writes docs/validation/flutter: tables and figures of the flutter solvers against exact answers.
 //!
-//! `cargo run --release -p dip-flutter --example validate`
+//! `cargo run --release -p dip-flutter --example validate_flutter`
 
 #[path = "../tests/goland/mod.rs"]
 mod goland;
@@ -25,7 +25,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     std::fs::create_dir_all(&out)?;
     let data = root.join("tests/data/flutter");
     let mut page = String::from(
-        "# Flutter solvers against exact answers\n\nMade by `cargo run --release -p dip-flutter --example validate`. The crate \
+        "# Flutter solvers against exact answers\n\nMade by `cargo run --release -p dip-flutter --example validate_flutter`. The crate \
          knows no aerodynamics; these cases use Theodorsen's exact incompressible section (NACA Report 496) as Q(k).\n\n",
     );
     page.push_str("## Pitch-plunge sections\n\n");

@@ -1,7 +1,7 @@
 //! Writes `docs/validation/lattice/README.md` with its figures: the lattice against PanelAero, Theodorsen, Sears, the circular
 //! wing, and its time and memory.
 //!
-//! `cargo run --release -p dip-dlm --example validate` (about a minute; one thread is used so that times are CPU times).
+//! `cargo run --release -p dip-dlm --example validate_lattice` (about a minute; one thread is used so that times are CPU times).
 
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
@@ -27,7 +27,7 @@ fn main() -> Outcome<()> {
     let out = root.join("docs/validation/lattice");
     std::fs::create_dir_all(&out)?;
     let mut page = String::from(
-        "# The doublet lattice\n\nMade by `cargo run --release -p dip-dlm --example validate`; the same figures are held by \
+        "# The doublet lattice\n\nMade by `cargo run --release -p dip-dlm --example validate_lattice`; the same figures are held by \
          `crates/dlm/tests/validation.rs`.\n",
     );
     panelaero(&mut page, &data)?;
