@@ -34,7 +34,7 @@ enum Command {
     Compare(compare::Args),
     /// Print the JSON Schema of a kind of case file
     Schema {
-        /// wing, structure, flutter or study
+        /// wing, structure, flutter, study or steady
         kind: String,
     },
     /// Print the completions of a shell
