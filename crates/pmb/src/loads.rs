@@ -195,7 +195,7 @@ pub struct CpCut {
 }
 
 /// Cuts the walls at `y`. Where the lattice of face centres crosses the station between two neighbours, the point is
-/// interpolated between them; on a grid one cell across every face is taken.
+/// interpolated between them (or extrapolated by half a face at the edge of a patch, so that splits leave no gap); on a grid one cell across every face is taken.
 #[must_use]
 pub fn cut(walls: &[WallPatch], y: f64, planar: bool) -> CpCut {
     let mut out = CpCut {
@@ -222,13 +222,19 @@ pub fn cut(walls: &[WallPatch], y: f64, planar: bool) -> CpCut {
                     put([c[0], c[2], wall.cp[f]], up(f));
                     continue;
                 }
-                for (inside, g) in [(p + 1 < np, f + 1), (q + 1 < nq, f + np)] {
-                    if !inside {
+                for (index, count, g) in [(p, np, f + 1), (q, nq, f + np)] {
+                    if index + 1 >= count {
                         continue;
                     }
                     let d = wall.centre[g];
-                    if (c[1] - y) * (d[1] - y) < 0.0 || (c[1] == y && d[1] != y) {
-                        let t = (y - c[1]) / (d[1] - c[1]);
+                    if d[1] == c[1] {
+                        continue;
+                    }
+                    // Beyond the first and last centre lies half a face that no neighbour of this patch covers.
+                    let from = if index == 0 { -0.5 } else { 0.0 };
+                    let to = if index + 2 == count { 1.5 } else { 1.0 };
+                    let t = (y - c[1]) / (d[1] - c[1]);
+                    if t >= from && t < to {
                         let mix = |a: f64, b: f64| a + t * (b - a);
                         put([mix(c[0], d[0]), mix(c[2], d[2]), mix(wall.cp[f], wall.cp[g])], up(f));
                     }
