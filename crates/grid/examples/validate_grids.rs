@@ -1,5 +1,5 @@
 //! Makes every shipped recipe, checks it, and writes `docs/validation/grids/`: a table of quality figures, and pictures.
-//! `cargo run --release -p dip-grid --example validate`
+//! `cargo run --release -p dip-grid --example validate_grids`
 
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
@@ -27,7 +27,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         .collect();
     recipes.sort();
     let mut page = String::from(
-        "# Quality of the shipped grids\n\nMade by `cargo run --release -p dip-grid --example validate`, which makes every recipe in `meshes/` and checks every cell.\n\n\
+        "# Quality of the shipped grids\n\nMade by `cargo run --release -p dip-grid --example validate_grids`, which makes every recipe in `meshes/` and checks every cell.\n\n\
          - *nodes*: of all blocks; those on interfaces count for each block.\n\
          - *volume*: smallest cell volume in m^3 (two-dimensional grids are one chord or length across); all must be above zero.\n\
          - *Jacobian*: smallest corner Jacobian over the product of the edges; 1 is a box. It is zero at the ends of a wing's\n  tip and of sheets, where a corner of 180 degrees is part of the topology.\n\
