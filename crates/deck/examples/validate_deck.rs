@@ -1,4 +1,4 @@
-//! Writes docs/validation/deck: decks against printed and exact results. `cargo run --release -p dip-deck --example validate`
+//! Writes docs/validation/deck: decks against printed and exact results. `cargo run --release -p dip-deck --example validate_deck`
 
 use std::{error::Error, fmt::Write as _, path::Path};
 
@@ -12,7 +12,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     std::fs::create_dir_all(&out)?;
     let decks = root.join("tests/data/nastran");
     let mut page = String::from(
-        "# Nastran decks\n\nMade by `cargo run --release -p dip-deck --example validate`. The decks are described in \
+        "# Nastran decks\n\nMade by `cargo run --release -p dip-deck --example validate_deck`. The decks are described in \
          `tests/data/nastran/README.md`; what of a deck is understood stands in `docs/nastran.md`.\n\n",
     );
     page += &printed(&root)?;

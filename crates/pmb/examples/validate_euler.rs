@@ -1,6 +1,6 @@
 //! Validation of steady Euler flow: NACA 0012, AGARD 445.6, ONERA M6. Writes `docs/validation/euler/`.
 //!
-//! `cargo run --release -p dip-pmb --example validate [-- naca agard oneram6]` (all by default; some minutes on one core).
+//! `cargo run --release -p dip-pmb --example validate_euler [-- naca agard oneram6]` (all by default; some minutes on one core).
 
 use std::error::Error;
 use std::fmt::Write as _;
@@ -250,7 +250,7 @@ fn page(folder: &Path) -> Outcome<()> {
     };
     let mut text = String::from(
         "# Steady Euler flow\n\n\
-         Made by `cargo run --release -p dip-pmb --example validate`. All runs use the default settings of the solver; `limiter` is\n\
+         Made by `cargo run --release -p dip-pmb --example validate_euler`. All runs use the default settings of the solver; `limiter` is\n\
          the constant of the limiter at the end (5 unless a limit cycle made the run raise it), `orders` the fall of the residual\n\
          from that of the undisturbed stream, `steps` those of all levels, `RoundOff` that the residual reached the round-off of\n\
          its fluxes before ten orders.\n\n\
