@@ -14,7 +14,11 @@ fn misspelt_key_names_the_nearest() {
     let case = CaseFolder::small();
     case.edit("flutter.toml", "chordwise =", "chordwize =");
     let at = line(&case, "flutter.toml", "chordwize");
-    case.run("dlm", &["flutter", "flutter.toml"]).exits(2).says(&[&at, "unknown key `chordwize`", "did you mean `chordwise`"]);
+    case.run("dlm", &["flutter", "flutter.toml"]).exits(2).says(&[
+        &at,
+        "unknown key `chordwize`",
+        "did you mean `chordwise`",
+    ]);
 }
 
 #[test]
@@ -22,7 +26,9 @@ fn missing_unit_shows_one() {
     let case = CaseFolder::small();
     case.edit("flutter.toml", "semichord = \"0.27935 m\"", "semichord = \"0.27935\"");
     let at = line(&case, "flutter.toml", "semichord");
-    case.run("dlm", &["flutter", "flutter.toml"]).exits(2).says(&[&at, "missing unit", "0.5587 m"]);
+    case.run("dlm", &["flutter", "flutter.toml"])
+        .exits(2)
+        .says(&[&at, "missing unit", "0.5587 m"]);
 }
 
 #[test]
@@ -30,13 +36,17 @@ fn wrong_kind_of_unit() {
     let case = CaseFolder::small();
     case.edit("flutter.toml", "\"0.20821 kg/m^3\"", "\"0.20821 kg/m\"");
     let at = line(&case, "flutter.toml", "kg/m\"");
-    case.run("dlm", &["flutter", "flutter.toml"]).exits(2).says(&[&at, "is not a density"]);
+    case.run("dlm", &["flutter", "flutter.toml"])
+        .exits(2)
+        .says(&[&at, "is not a density"]);
 }
 
 #[test]
 fn wrong_unit_in_an_override_is_said_to_be_there() {
     let case = CaseFolder::small();
-    case.run("dlm", &["flutter", "flutter.toml", "--set", "reference.mass=3 m"]).exits(2).says(&["--set", "is not a mass"]);
+    case.run("dlm", &["flutter", "flutter.toml", "--set", "reference.mass=3 m"])
+        .exits(2)
+        .says(&["--set", "is not a mass"]);
 }
 
 #[test]
@@ -44,7 +54,9 @@ fn supersonic_mach_number_on_the_lattice() {
     let case = CaseFolder::small();
     case.edit("flutter.toml", "mach = [0.678]", "mach = [1.072]");
     let at = line(&case, "flutter.toml", "1.072");
-    case.run("dlm", &["flutter", "flutter.toml"]).exits(2).says(&[&at, "needed 0 <= M < 1", "pmb march"]);
+    case.run("dlm", &["flutter", "flutter.toml"])
+        .exits(2)
+        .says(&[&at, "needed 0 <= M < 1", "pmb march"]);
 }
 
 #[test]
@@ -52,7 +64,9 @@ fn negative_reduced_frequency() {
     let case = CaseFolder::small();
     case.edit("flutter.toml", "[0.001, 0.05", "[-0.001, 0.05");
     let at = line(&case, "flutter.toml", "-0.001");
-    case.run("dlm", &["flutter", "flutter.toml"]).exits(2).says(&[&at, "needed zero or more"]);
+    case.run("dlm", &["flutter", "flutter.toml"])
+        .exits(2)
+        .says(&[&at, "needed zero or more"]);
 }
 
 #[test]
@@ -60,22 +74,32 @@ fn only_zero_reduced_frequency_cannot_give_flutter() {
     let case = CaseFolder::small();
     case.edit("flutter.toml", "[0.001, 0.05, 0.1, 0.15, 0.2, 0.3, 0.5, 1.0]", "[0.0]");
     let at = line(&case, "flutter.toml", "reduced_frequencies");
-    case.run("dlm", &["flutter", "flutter.toml"]).exits(2).says(&[&at, "above zero"]);
+    case.run("dlm", &["flutter", "flutter.toml"])
+        .exits(2)
+        .says(&[&at, "above zero"]);
 }
 
 #[test]
 fn zero_area_boxes() {
     let case = CaseFolder::small();
     case.edit("wing.toml", "chord = \"0.3682 m\"", "chord = \"0 m\"");
-    case.run("dlm", &["flutter", "flutter.toml"]).exits(2).says(&["wing.toml:", "chord 0 m", "positive"]);
+    case.run("dlm", &["flutter", "flutter.toml"])
+        .exits(2)
+        .says(&["wing.toml:", "chord 0 m", "positive"]);
 }
 
 #[test]
 fn sections_at_one_station() {
     let case = CaseFolder::small();
-    case.edit("wing.toml", "[\"0.8094 m\", \"0.762 m\", \"0 m\"]", "[\"0.8094 m\", \"0 m\", \"0 m\"]");
+    case.edit(
+        "wing.toml",
+        "[\"0.8094 m\", \"0.762 m\", \"0 m\"]",
+        "[\"0.8094 m\", \"0 m\", \"0 m\"]",
+    );
     let at = line(&case, "wing.toml", "0.8094");
-    case.run("dlm", &["flutter", "flutter.toml"]).exits(2).says(&[&at, "same span station"]);
+    case.run("dlm", &["flutter", "flutter.toml"])
+        .exits(2)
+        .says(&[&at, "same span station"]);
 }
 
 #[test]
@@ -86,7 +110,9 @@ fn overlapping_surfaces() {
         "[spline]",
         "[[lattice.surface]]\nwing = \"wing.toml\"\nchordwise = 4\nspanwise = 5\n\n[spline]",
     );
-    case.run("dlm", &["flutter", "flutter.toml"]).exits(2).says(&["flutter.toml:", "on top of each other"]);
+    case.run("dlm", &["flutter", "flutter.toml"])
+        .exits(2)
+        .says(&["flutter.toml:", "on top of each other"]);
 }
 
 #[test]
@@ -97,7 +123,9 @@ fn a_structure_with_a_mechanism() {
     let spring = "[[spring]]\nposition = [0, 0, 0]\nvertical = \"1e4 N/m\"\n\n[modes]";
     case.edit("structure.toml", "[modes]", spring);
     let at = line(&case, "structure.toml", "[support]");
-    case.run("dlm", &["modes", "structure.toml"]).exits(2).says(&[&at, "mechanism"]);
+    case.run("dlm", &["modes", "structure.toml"])
+        .exits(2)
+        .says(&[&at, "mechanism"]);
 }
 
 #[test]
@@ -105,7 +133,9 @@ fn a_root_without_nodes() {
     let case = CaseFolder::small();
     case.edit("structure.toml", "root = \"clamped\"", "root = []");
     let at = line(&case, "structure.toml", "root = []");
-    case.run("dlm", &["modes", "structure.toml"]).exits(2).says(&[&at, "root"]);
+    case.run("dlm", &["modes", "structure.toml"])
+        .exits(2)
+        .says(&[&at, "root"]);
 }
 
 #[test]
@@ -113,7 +143,9 @@ fn modes_that_do_not_match_the_wing() {
     let case = CaseFolder::small();
     let text = std::fs::read_to_string(case.path("yates_modes.csv")).unwrap();
     std::fs::write(case.path("yates_modes.csv"), text.replace("x_in,y_in", "x_m,y_m")).unwrap();
-    case.run("dlm", &["flutter", "flutter_yates.toml"]).exits(2).says(&["yates_modes.csv", "span"]);
+    case.run("dlm", &["flutter", "flutter_yates.toml"])
+        .exits(2)
+        .says(&["yates_modes.csv", "span"]);
 }
 
 #[test]
@@ -121,7 +153,9 @@ fn too_few_frequencies_for_the_shapes() {
     let case = CaseFolder::small();
     case.edit("flutter_yates.toml", ", \"91.5448 Hz\"]", "]");
     let at = line(&case, "flutter_yates.toml", "frequencies = [");
-    case.run("dlm", &["flutter", "flutter_yates.toml"]).exits(2).says(&[&at, "3 frequencies"]);
+    case.run("dlm", &["flutter", "flutter_yates.toml"])
+        .exits(2)
+        .says(&[&at, "3 frequencies"]);
 }
 
 #[test]
@@ -129,23 +163,35 @@ fn densities_that_do_not_fit_the_mach_numbers() {
     let case = CaseFolder::small();
     case.edit("flutter.toml", "mach = [0.678]", "mach = [0.678, 0.901]");
     let at = line(&case, "flutter.toml", "densities = [");
-    case.run("dlm", &["flutter", "flutter.toml"]).exits(2).says(&[&at, "1 densities for 2 Mach numbers"]);
+    case.run("dlm", &["flutter", "flutter.toml"])
+        .exits(2)
+        .says(&[&at, "1 densities for 2 Mach numbers"]);
 }
 
 #[test]
 fn methods_that_cannot_be_matched() {
     let case = CaseFolder::small();
-    case.edit("flutter.toml", "densities = [\"0.20821 kg/m^3\"]", "search = \"matched-point\"");
+    case.edit(
+        "flutter.toml",
+        "densities = [\"0.20821 kg/m^3\"]",
+        "search = \"matched-point\"",
+    );
     let at = line(&case, "flutter.toml", "methods");
-    case.run("dlm", &["flutter", "flutter.toml"]).exits(2).says(&[&at, "matched point"]);
+    case.run("dlm", &["flutter", "flutter.toml"])
+        .exits(2)
+        .says(&[&at, "matched point"]);
 }
 
 #[test]
 fn missing_files_are_named() {
     let case = CaseFolder::small();
-    case.run("dlm", &["flutter", "nothing.toml"]).exits(2).says(&["nothing.toml", "cannot read"]);
+    case.run("dlm", &["flutter", "nothing.toml"])
+        .exits(2)
+        .says(&["nothing.toml", "cannot read"]);
     case.edit("flutter.toml", "wing = \"wing.toml\"", "wing = \"wings.toml\"");
-    case.run("dlm", &["flutter", "flutter.toml"]).exits(2).says(&["wings.toml", "cannot read", "relative to"]);
+    case.run("dlm", &["flutter", "flutter.toml"])
+        .exits(2)
+        .says(&["wings.toml", "cannot read", "relative to"]);
 }
 
 #[test]
@@ -159,10 +205,24 @@ fn broken_toml_names_the_line() {
 #[test]
 fn box_rules_broken_is_a_warning_and_exit_code_3() {
     let case = CaseFolder::small();
-    let run = case.run("dlm", &["flutter", "flutter.toml", "--set", "lattice.chordwise=40", "--set", "lattice.spanwise=2"]);
+    let run = case.run(
+        "dlm",
+        &[
+            "flutter",
+            "flutter.toml",
+            "--set",
+            "lattice.chordwise=40",
+            "--set",
+            "lattice.spanwise=2",
+        ],
+    );
     let run = run.exits(3);
     assert!(run.stderr.contains("wider than 10 chords"), "{}", run.stderr);
-    assert!(run.stdout.contains("0.678"), "the results are printed all the same: {}", run.stdout);
+    assert!(
+        run.stdout.contains("0.678"),
+        "the results are printed all the same: {}",
+        run.stdout
+    );
 }
 
 #[test]

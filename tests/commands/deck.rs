@@ -4,7 +4,9 @@ use super::setup::CaseFolder;
 use std::path::{Path, PathBuf};
 
 fn shipped(name: &str) -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/nastran").join(name)
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("tests/data/nastran")
+        .join(name)
 }
 
 /// A shipped deck in a folder of its own.
@@ -19,7 +21,11 @@ fn a_deck_prints_its_flutter_summary() {
     let case = with_deck("swept_plate.bdf");
     let run = case.run("dlm", &["flutter", "wing.bdf", "--out", "out"]);
     assert!(run.code == 0 || run.code == 3, "{run:?}");
-    assert!(run.stdout.contains("FLUTTER") && run.stdout.contains("KFREQ"), "{}", run.stdout);
+    assert!(
+        run.stdout.contains("FLUTTER") && run.stdout.contains("KFREQ"),
+        "{}",
+        run.stdout
+    );
     let summary: serde_json::Value =
         serde_json::from_str(&std::fs::read_to_string(case.path("out/summary.json")).unwrap()).unwrap();
     let subcase = &summary["subcases"][0];
@@ -37,7 +43,9 @@ fn an_unknown_card_is_named_with_its_line() {
     assert_ne!(text, marked);
     let line = marked.lines().position(|l| l.starts_with("CQUADX")).unwrap() + 1;
     std::fs::write(case.path("wing.bdf"), marked).unwrap();
-    case.run("dlm", &["flutter", "wing.bdf"]).exits(2).says(&["CQUADX", &format!("wing.bdf:{line}")]);
+    case.run("dlm", &["flutter", "wing.bdf"])
+        .exits(2)
+        .says(&["CQUADX", &format!("wing.bdf:{line}")]);
 }
 
 #[test]
@@ -47,20 +55,26 @@ fn a_field_that_is_no_number_is_named() {
     let marked = text.replacen("BEGIN BULK", "BEGIN BULK\nGRID,99999,,1.0,zwei,0.0", 1);
     let line = marked.lines().position(|l| l.starts_with("GRID,99999")).unwrap() + 1;
     std::fs::write(case.path("wing.bdf"), marked).unwrap();
-    case.run("dlm", &["flutter", "wing.bdf"]).exits(2).says(&["GRID", "ZWEI", &format!("wing.bdf:{line}")]);
+    case.run("dlm", &["flutter", "wing.bdf"])
+        .exits(2)
+        .says(&["GRID", "ZWEI", &format!("wing.bdf:{line}")]);
 }
 
 #[test]
 fn a_missing_include_is_named() {
     let case = with_deck("swept_plate.bdf");
     case.edit("wing.bdf", "BEGIN BULK", "BEGIN BULK\nINCLUDE 'nowhere.bdf'");
-    case.run("dlm", &["flutter", "wing.bdf"]).exits(2).says(&["nowhere.bdf"]);
+    case.run("dlm", &["flutter", "wing.bdf"])
+        .exits(2)
+        .says(&["nowhere.bdf"]);
 }
 
 #[test]
 fn settings_do_not_reach_into_a_deck() {
     let case = with_deck("swept_plate.bdf");
-    case.run("dlm", &["flutter", "wing.bdf", "--set", "flow.mach=0.5"]).exits(2).says(&["--set"]);
+    case.run("dlm", &["flutter", "wing.bdf", "--set", "flow.mach=0.5"])
+        .exits(2)
+        .says(&["--set"]);
 }
 
 /// A mode file without modes, and one beside a case file, are refused.
@@ -68,6 +82,10 @@ fn settings_do_not_reach_into_a_deck() {
 fn mode_files_that_cannot_serve_are_refused() {
     let case = with_deck("swept_plate.bdf");
     std::fs::write(case.path("none.pch"), "$TITLE\n").unwrap();
-    case.run("dlm", &["flutter", "wing.bdf", "--modes", "none.pch"]).exits(2).says(&["none.pch"]);
-    case.run("dlm", &["flutter", "flutter.toml", "--modes", "none.pch"]).exits(2).says(&["--modes"]);
+    case.run("dlm", &["flutter", "wing.bdf", "--modes", "none.pch"])
+        .exits(2)
+        .says(&["none.pch"]);
+    case.run("dlm", &["flutter", "flutter.toml", "--modes", "none.pch"])
+        .exits(2)
+        .says(&["--modes"]);
 }

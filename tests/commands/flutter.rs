@@ -5,7 +5,9 @@ use super::setup::CaseFolder;
 #[test]
 fn flutter_writes_its_summary() {
     let case = CaseFolder::small();
-    let run = case.run("dlm", &["flutter", "flutter.toml", "--out", "out", "--json"]).exits(0);
+    let run = case
+        .run("dlm", &["flutter", "flutter.toml", "--out", "out", "--json"])
+        .exits(0);
     let printed: serde_json::Value = serde_json::from_str(&run.stdout).unwrap();
     let kept: serde_json::Value =
         serde_json::from_str(&std::fs::read_to_string(case.path("out/summary.json")).unwrap()).unwrap();
@@ -31,7 +33,12 @@ fn flutter_writes_its_summary() {
     // K, KE, PK and g are one equation at g = 0.
     let speed = |i: usize| rows[i]["flutter_speed_m_s"].as_f64().unwrap();
     for i in 1..4 {
-        assert!((speed(i) / speed(0) - 1.0).abs() < 1e-3, "{} and {}", speed(i), speed(0));
+        assert!(
+            (speed(i) / speed(0) - 1.0).abs() < 1e-3,
+            "{} and {}",
+            speed(i),
+            speed(0)
+        );
     }
     for file in ["vg.csv", "summary.json"] {
         assert!(case.path("out").join(file).exists(), "{file}");
@@ -41,8 +48,10 @@ fn flutter_writes_its_summary() {
 #[test]
 fn results_do_not_depend_on_threads() {
     let case = CaseFolder::small();
-    case.run("dlm", &["flutter", "flutter.toml", "--out", "one", "--threads", "1"]).exits(0);
-    case.run("dlm", &["flutter", "flutter.toml", "--out", "two", "--threads", "2"]).exits(0);
+    case.run("dlm", &["flutter", "flutter.toml", "--out", "one", "--threads", "1"])
+        .exits(0);
+    case.run("dlm", &["flutter", "flutter.toml", "--out", "two", "--threads", "2"])
+        .exits(0);
     let read = |folder: &str| std::fs::read_to_string(case.path(folder).join("vg.csv")).unwrap();
     assert_eq!(read("one"), read("two"));
 }
@@ -60,13 +69,28 @@ fn a_finished_run_of_other_inputs_is_kept() {
 #[test]
 fn modes_are_printed_and_read_back() {
     let case = CaseFolder::small();
-    let run = case.run("dlm", &["modes", "structure.toml", "--out", "modes", "--json"]).exits(0);
+    let run = case
+        .run("dlm", &["modes", "structure.toml", "--out", "modes", "--json"])
+        .exits(0);
     let summary: serde_json::Value = serde_json::from_str(&run.stdout).unwrap();
-    let frequencies: Vec<String> =
-        summary["frequencies_hz"].as_array().unwrap().iter().take(4).map(|f| format!("\"{f} Hz\"")).collect();
-    case.edit("flutter.toml", "structure = \"structure.toml\"", &format!("file = \"modes/modes.csv\"\nfrequencies = [{}]", frequencies.join(", ")));
-    let read = case.run("dlm", &["flutter", "flutter.toml", "--out", "a", "--json"]).exits(0);
-    let own = CaseFolder::small().run("dlm", &["flutter", "flutter.toml", "--out", "b", "--json"]).exits(0);
+    let frequencies: Vec<String> = summary["frequencies_hz"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .take(4)
+        .map(|f| format!("\"{f} Hz\""))
+        .collect();
+    case.edit(
+        "flutter.toml",
+        "structure = \"structure.toml\"",
+        &format!("file = \"modes/modes.csv\"\nfrequencies = [{}]", frequencies.join(", ")),
+    );
+    let read = case
+        .run("dlm", &["flutter", "flutter.toml", "--out", "a", "--json"])
+        .exits(0);
+    let own = CaseFolder::small()
+        .run("dlm", &["flutter", "flutter.toml", "--out", "b", "--json"])
+        .exits(0);
     let speed = |text: &str| {
         let v: serde_json::Value = serde_json::from_str(text).unwrap();
         v["flutter"][0]["flutter_speed_m_s"].as_f64().unwrap()
@@ -77,7 +101,9 @@ fn modes_are_printed_and_read_back() {
 #[test]
 fn generalized_forces_are_listed() {
     let case = CaseFolder::small();
-    let run = case.run("dlm", &["aic", "flutter.toml", "--out", "out", "--json"]).exits(0);
+    let run = case
+        .run("dlm", &["aic", "flutter.toml", "--out", "out", "--json"])
+        .exits(0);
     let summary: serde_json::Value = serde_json::from_str(&run.stdout).unwrap();
     let list = summary["generalized_forces"].as_array().unwrap();
     assert_eq!(list.len(), 8);
@@ -87,13 +113,29 @@ fn generalized_forces_are_listed() {
 #[test]
 fn a_matched_point_lies_on_the_atmosphere() {
     let case = CaseFolder::small();
-    case.edit("flutter.toml", "methods = [\"pk\", \"k\", \"ke\", \"g\"]", "methods = [\"pk\", \"g\"]");
-    case.edit("flutter.toml", "densities = [\"0.20821 kg/m^3\"]", "search = \"matched-point\"");
-    let run = case.run("dlm", &["flutter", "flutter.toml", "--out", "out", "--json"]).exits(0);
+    case.edit(
+        "flutter.toml",
+        "methods = [\"pk\", \"k\", \"ke\", \"g\"]",
+        "methods = [\"pk\", \"g\"]",
+    );
+    case.edit(
+        "flutter.toml",
+        "densities = [\"0.20821 kg/m^3\"]",
+        "search = \"matched-point\"",
+    );
+    let run = case
+        .run("dlm", &["flutter", "flutter.toml", "--out", "out", "--json"])
+        .exits(0);
     let summary: serde_json::Value = serde_json::from_str(&run.stdout).unwrap();
     let row = &summary["flutter"][0];
-    let (h, u) = (row["altitude_m"].as_f64().unwrap(), row["flutter_speed_m_s"].as_f64().unwrap());
+    let (h, u) = (
+        row["altitude_m"].as_f64().unwrap(),
+        row["flutter_speed_m_s"].as_f64().unwrap(),
+    );
     let air = dip_case::atmosphere::standard(h).unwrap();
     assert!((u / (0.678 * air.speed_of_sound_m_s) - 1.0).abs() < 1e-6, "{row}");
-    assert!((row["density_kg_m3"].as_f64().unwrap() / air.density_kg_m3 - 1.0).abs() < 1e-6, "{row}");
+    assert!(
+        (row["density_kg_m3"].as_f64().unwrap() / air.density_kg_m3 - 1.0).abs() < 1e-6,
+        "{row}"
+    );
 }

@@ -32,13 +32,23 @@ fn a_recipe_becomes_a_grid_with_its_report_and_pictures() {
     assert_eq!(summary["findings"].as_array().unwrap().len(), 0);
     let least = &summary["figures"][0]["worst"][0];
     assert!(least["value"].as_f64().unwrap() > 0.0, "{least}");
-    for file in ["grid.xyz", "grid.bc.toml", "grid.nmf", "grid-quality.txt", "grid-section.svg", "grid-worst.vtu", "summary.json"] {
+    for file in [
+        "grid.xyz",
+        "grid.bc.toml",
+        "grid.nmf",
+        "grid-quality.txt",
+        "grid-section.svg",
+        "grid-worst.vtu",
+        "summary.json",
+    ] {
         assert!(case.path("out").join(file).exists(), "{file}");
     }
     // The same again is welcome, another grid in its place is not.
     case.run("pmb", &["mesh", "grid.toml", "-o", "out"]).exits(0);
     case.edit("grid.toml", "normal = 16", "normal = 20");
-    case.run("pmb", &["mesh", "grid.toml", "-o", "out"]).exits(2).says(&["--force"]);
+    case.run("pmb", &["mesh", "grid.toml", "-o", "out"])
+        .exits(2)
+        .says(&["--force"]);
     case.run("pmb", &["mesh", "grid.toml", "-o", "out", "--force"]).exits(0);
 }
 
@@ -47,8 +57,12 @@ fn a_grid_file_may_be_named_and_is_kept() {
     let case = recipe();
     case.run("pmb", &["mesh", "grid.toml", "-o", "a/wing.xyz"]).exits(0);
     assert!(case.path("a/wing.bc.toml").exists());
-    case.run("pmb", &["mesh", "grid.toml", "-o", "a/wing.xyz"]).exits(2).says(&["is there already", "--force"]);
-    case.run("pmb", &["mesh", "grid.toml", "-o", "wing.cgns"]).exits(2).says(&["cannot be written as .cgns"]);
+    case.run("pmb", &["mesh", "grid.toml", "-o", "a/wing.xyz"])
+        .exits(2)
+        .says(&["is there already", "--force"]);
+    case.run("pmb", &["mesh", "grid.toml", "-o", "wing.cgns"])
+        .exits(2)
+        .says(&["cannot be written as .cgns"]);
 }
 
 #[test]
@@ -61,7 +75,9 @@ fn check_tells_good_from_bad() {
     // Without conditions the wall and the far field are nobody's.
     fs::remove_file(case.path("grid.bc.toml")).unwrap();
     fs::remove_file(case.path("grid.nmf")).unwrap();
-    let bad = case.run("pmb", &["mesh", "check", "grid.xyz", "--worst", "worst.vtu"]).exits(3);
+    let bad = case
+        .run("pmb", &["mesh", "check", "grid.xyz", "--worst", "worst.vtu"])
+        .exits(3);
     assert!(bad.stdout.contains("no condition"), "{}", bad.stdout);
     assert!(case.path("worst.vtu").exists());
 }
@@ -75,8 +91,13 @@ fn conversion_keeps_every_bit() {
         &["--encoding", "stream", "--big-endian"],
         &["--encoding", "records", "--long-markers"],
     ] {
-        case.run("pmb", &[&["mesh", "convert", "a.xyz", "b.p3d", "--force"], options].concat()).exits(0);
-        case.run("pmb", &["mesh", "convert", "b.p3d", "c.xyz", "--force"]).exits(0);
+        case.run(
+            "pmb",
+            &[&["mesh", "convert", "a.xyz", "b.p3d", "--force"], options].concat(),
+        )
+        .exits(0);
+        case.run("pmb", &["mesh", "convert", "b.p3d", "c.xyz", "--force"])
+            .exits(0);
         let read = |file: &str| fs::read(case.path(file)).unwrap();
         assert_eq!(read("a.xyz"), read("c.xyz"), "{options:?}");
         assert_eq!(read("a.bc.toml"), read("c.bc.toml"), "{options:?}");
@@ -88,17 +109,27 @@ fn conversion_keeps_every_bit() {
 #[test]
 fn bad_input_is_exit_code_2() {
     let case = recipe();
-    case.run("pmb", &["mesh", "nothing.toml"]).exits(2).says(&["nothing.toml"]);
-    case.run("pmb", &["mesh", "check", "nothing.xyz"]).exits(2).says(&["nothing.xyz"]);
+    case.run("pmb", &["mesh", "nothing.toml"])
+        .exits(2)
+        .says(&["nothing.toml"]);
+    case.run("pmb", &["mesh", "check", "nothing.xyz"])
+        .exits(2)
+        .says(&["nothing.xyz"]);
     case.run("pmb", &["mesh"]).exits(2).says(&["RECIPE"]);
-    case.run("pmb", &["mesh", "grid.toml", "--set", "cells.normal=4"]).exits(2).says(&["extends"]);
+    case.run("pmb", &["mesh", "grid.toml", "--set", "cells.normal=4"])
+        .exits(2)
+        .says(&["extends"]);
     case.run("pmb", &["mesh", "grid.xyz"]).exits(2).says(&["is no recipe"]);
 
     case.run("pmb", &["mesh", "grid.toml", "-o", "cut.xyz"]).exits(0);
     let bytes = fs::read(case.path("cut.xyz")).unwrap();
     fs::write(case.path("cut.xyz"), &bytes[..bytes.len() / 2]).unwrap();
-    case.run("pmb", &["mesh", "check", "cut.xyz"]).exits(2).says(&["cut.xyz"]);
+    case.run("pmb", &["mesh", "check", "cut.xyz"])
+        .exits(2)
+        .says(&["cut.xyz"]);
 
     case.edit("grid.toml", "normal = 16", "norml = 16");
-    case.run("pmb", &["mesh", "grid.toml"]).exits(2).says(&["grid.toml:8:", "did you mean `normal`"]);
+    case.run("pmb", &["mesh", "grid.toml"])
+        .exits(2)
+        .says(&["grid.toml:8:", "did you mean `normal`"]);
 }

@@ -12,7 +12,10 @@ impl CaseFolder {
     /// The shipped case, on few boxes and at one Mach number so that a run takes a moment.
     pub fn small() -> Self {
         let folder = tempfile::tempdir().unwrap();
-        copy(&Path::new(env!("CARGO_MANIFEST_DIR")).join("cases/agard445"), folder.path());
+        copy(
+            &Path::new(env!("CARGO_MANIFEST_DIR")).join("cases/agard445"),
+            folder.path(),
+        );
         let case = Self { folder };
         for file in ["flutter.toml", "flutter_yates.toml"] {
             case.edit(file, "mach = [0.499, 0.678, 0.901, 0.954, 0.960]", "mach = [0.678]");
@@ -25,7 +28,11 @@ impl CaseFolder {
         }
         case.edit("flutter.toml", "chordwise = 20", "chordwise = 8");
         case.edit("flutter_yates.toml", "chordwise = 10", "chordwise = 8");
-        case.edit("boundary.toml", "mach = [0.499, 0.678, 0.901, 0.954, 0.960]", "mach = [0.678]");
+        case.edit(
+            "boundary.toml",
+            "mach = [0.499, 0.678, 0.901, 0.954, 0.960]",
+            "mach = [0.678]",
+        );
         case
     }
 
@@ -49,7 +56,11 @@ impl CaseFolder {
             "pmb" => env!("CARGO_BIN_EXE_pmb"),
             other => panic!("no program {other}"),
         };
-        let output = Command::new(binary).args(arguments).current_dir(self.folder.path()).output().unwrap();
+        let output = Command::new(binary)
+            .args(arguments)
+            .current_dir(self.folder.path())
+            .output()
+            .unwrap();
         Run::new(output)
     }
 }

@@ -6,10 +6,17 @@ use super::setup::CaseFolder;
 fn compare_computes_reports_and_keeps() {
     let case = CaseFolder::small();
     let run = case.run("dip", &["compare", "boundary.toml", "--out", "out"]).exits(0);
-    assert!(run.stdout.contains("0.678") && run.stdout.contains("experiment"), "{}", run.stdout);
+    assert!(
+        run.stdout.contains("0.678") && run.stdout.contains("experiment"),
+        "{}",
+        run.stdout
+    );
     let html = std::fs::read_to_string(case.path("out/report.html")).unwrap();
     assert!(html.contains("<svg"), "figures are inside");
-    assert!(!html.contains("http://") || !html.contains("<script src"), "nothing is loaded from elsewhere");
+    assert!(
+        !html.contains("http://") || !html.contains("<script src"),
+        "nothing is loaded from elsewhere"
+    );
     assert!(case.path("out/boundary.svg").exists());
     // The second time nothing is computed.
     let again = case.run("dip", &["compare", "boundary.toml", "--out", "out"]).exits(0);
@@ -20,7 +27,9 @@ fn compare_computes_reports_and_keeps() {
 #[test]
 fn compare_prints_json() {
     let case = CaseFolder::small();
-    let run = case.run("dip", &["compare", "boundary.toml", "--out", "out", "--json"]).exits(0);
+    let run = case
+        .run("dip", &["compare", "boundary.toml", "--out", "out", "--json"])
+        .exits(0);
     let summary: serde_json::Value = serde_json::from_str(&run.stdout).unwrap();
     let row = &summary["points"][0];
     assert_eq!(row["mach"], 0.678);
@@ -32,14 +41,18 @@ fn compare_prints_json() {
 fn a_study_with_a_missing_case_names_it() {
     let case = CaseFolder::small();
     case.edit("boundary.toml", "case = \"flutter.toml\"", "case = \"fluter.toml\"");
-    case.run("dip", &["compare", "boundary.toml"]).exits(2).says(&["fluter.toml", "cannot read"]);
+    case.run("dip", &["compare", "boundary.toml"])
+        .exits(2)
+        .says(&["fluter.toml", "cannot read"]);
 }
 
 #[test]
 fn a_mach_number_that_the_case_lacks() {
     let case = CaseFolder::small();
     case.edit("boundary.toml", "mach = [0.678]", "mach = [0.678, 0.8]");
-    case.run("dip", &["compare", "boundary.toml"]).exits(2).says(&["boundary.toml:", "Mach 0.8"]);
+    case.run("dip", &["compare", "boundary.toml"])
+        .exits(2)
+        .says(&["boundary.toml:", "Mach 0.8"]);
 }
 
 #[test]
