@@ -18,6 +18,7 @@ pub mod flutter;
 pub mod interpolation;
 pub mod modes;
 pub mod print;
+mod residual;
 mod splines;
 mod strip;
 pub mod structure;
@@ -108,7 +109,7 @@ fn write_subcase(out: &mut String, subcase: &SubcaseResult) -> std::fmt::Result 
 }
 
 /// Statements of a subcase that its modes depend on.
-const STRUCTURE_SETTINGS: [&str; 7] = ["METHOD", "SPC", "MPC", "SUPORT1", "K2GG", "M2GG", "B2GG"];
+const STRUCTURE_SETTINGS: [&str; 8] = ["RESVEC", "METHOD", "SPC", "MPC", "SUPORT1", "K2GG", "M2GG", "B2GG"];
 /// Statements that its aerodynamics depend on besides.
 const AERO_SETTINGS: [&str; 2] = ["AESYMXZ", "AESYMXY"];
 

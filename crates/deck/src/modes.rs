@@ -12,6 +12,7 @@ use dip_nastran::{
 use crate::{
     coordinate::Geometry,
     error::{Result, SolveError, misfit, missing},
+    residual,
     structure::selected,
 };
 
@@ -69,7 +70,7 @@ pub fn normal_modes(bulk: &Bulk, model: &Model, subcase: &Subcase, notes: &mut V
     } else {
         0
     };
-    let modes = keep(&modes, first..modes.count());
+    let mut modes = keep(&modes, first..modes.count());
     if modes.count() == 0 {
         return Err(misfit(
             &request.at,
@@ -77,7 +78,37 @@ pub fn normal_modes(bulk: &Bulk, model: &Model, subcase: &Subcase, notes: &mut V
             "finds no modes in its range of frequencies",
         ));
     }
+    if wants_residuals(bulk, subcase, &modes)? {
+        let text = if first > 0 || system.analysis_size() != system.size() {
+            "residual vectors are not added to modes of a range from F1 on, nor to those of an analysis set; raise ND"
+                .to_owned()
+        } else {
+            let computed = modes.count();
+            let added = residual::append(model, &system, &mut modes)?;
+            format!("{added} residual vectors of inertia loads (INRLOD) follow the {computed} computed modes")
+        };
+        notes.push(Note {
+            at: request.at.clone(),
+            card: format!("EIGR {set}"),
+            severity: Severity::Warning,
+            text,
+        });
+    }
     Ok(modes)
+}
+
+/// Whether residual vectors are to be added: RESVEC says so, or PARAM LMODES uses more modes than METHOD gives.
+///
+/// Nastran adds them by default since 2004; older results, and most published ones, are without.
+fn wants_residuals(bulk: &Bulk, subcase: &Subcase, modes: &Modes) -> Result<bool> {
+    if let Some(option) = subcase.text("RESVEC") {
+        return Ok(!option.trim().to_uppercase().starts_with("NO"));
+    }
+    let used = match bulk.parameters.get("LMODES") {
+        Some(p) => p.integer().map_err(|e| SolveError::Deck(e.into()))?,
+        None => 0,
+    };
+    Ok(usize::try_from(used).is_ok_and(|n| n > modes.count()))
 }
 
 fn count(request: &DeckRequest, range: [Option<f64>; 2], size: usize) -> usize {

@@ -347,3 +347,26 @@ fn what_does_not_fit_is_said_with_its_place() {
     let missing = Deck::parse(&text, "deck", data("")).unwrap();
     assert!(matches!(solve(&missing), Err(SolveError::Missing { .. })));
 }
+
+#[test]
+fn residual_vectors_follow_the_modes_where_the_deck_asks() {
+    let name = "jet_wing_bars.bdf";
+    let plain = run(data(name)).unwrap();
+    let computed = plain.subcases[0].modes.count();
+    let more = format!("LMODES  {}", computed + 1);
+    let added = solve(&edited(name, "LMODES  6", &more)).unwrap();
+    let modes = &added.subcases[0].modes;
+    assert!(modes.count() > computed);
+    assert_eq!(added.subcases[0].used_modes, computed + 1);
+    for mode in 0..computed {
+        assert!(close(modes.freq_hz(mode), plain.subcases[0].modes.freq_hz(mode), 1e-12));
+    }
+    assert!(added.notes.iter().any(|n| n.text.contains("residual vectors")));
+    let text = std::fs::read_to_string(data(name))
+        .unwrap()
+        .replacen("LMODES  6", &more, 1);
+    let without = text.replacen("CEND\n", "CEND\nRESVEC = NO\n", 1);
+    assert_ne!(text, without);
+    let without = solve(&Deck::parse(&without, name, data("")).unwrap()).unwrap();
+    assert_eq!(without.subcases[0].modes.count(), computed);
+}

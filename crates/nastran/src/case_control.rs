@@ -79,7 +79,7 @@ pub struct Control {
 
 /// Statements that select something that modes or flutter depend on.
 const SELECTORS: &[&str] = &[
-    "METHOD", "FMETHOD", "SPC", "MPC", "SDAMPING", "SUPORT1", "K2GG", "M2GG", "B2GG", "AESYMXZ", "AESYMXY",
+    "METHOD", "FMETHOD", "SPC", "MPC", "SDAMPING", "SUPORT1", "K2GG", "M2GG", "B2GG", "AESYMXZ", "AESYMXY", "RESVEC",
 ];
 const TITLES: &[&str] = &["TITLE", "SUBTITLE", "LABEL"];
 /// Statements that change the model in ways this program cannot follow.
@@ -165,7 +165,6 @@ const WITHOUT_EFFECT: &[&str] = &[
     "NCHECK",
     "OTIME",
     "OFREQUENCY",
-    "RESVEC",
     "ADAMSMNF",
     "MCFRACTION",
     "GPKE",
