@@ -1,6 +1,6 @@
 //! The commands of `pmb`, `dlm` and `dip`.
 //!
-//! One file for each command; [`options`] has what they share, [`output`] where results go, [`exit`] how they end.
+//! One file for each command; `options` has what they share, `output` where results go, `exit` how they end.
 
 mod assemble;
 pub mod dip;
