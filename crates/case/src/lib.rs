@@ -3,7 +3,7 @@
 //! * [`document`] reads a TOML file, merges `--set` overrides and keeps every value's place in the text;
 //! * [`diagnose`] turns a wrong key or value into an error with file, line, what was needed and what to do;
 //! * [`units`] reads quantities such as `"0.2082 kg/m^3"`;
-//! * [`file`] holds one type for each kind of case file, one doc comment for each key;
+//! * [`mod@file`] holds one type for each kind of case file, one doc comment for each key;
 //! * [`atmosphere`] is the U.S. Standard Atmosphere 1976;
 //! * [`scales`] is the one place that knows reduced frequency.
 
