@@ -28,7 +28,7 @@ pub(crate) struct KStation {
 /// curves. Mode numbers come from raising the density from zero at the greatest k.
 ///
 /// # Errors
-/// As [`k_roots`], and reduced frequencies outside the domain when the settings refuse them.
+/// As [`crate::k_roots`], and reduced frequencies outside the domain when the settings refuse them.
 pub fn solve_k(
     problem: &FlutterProblem<'_>,
     method: Method,

@@ -1,6 +1,6 @@
 //! Long vectors: inner products whose result does not depend on the number of threads.
 //!
-//! Vectors are cut into pieces of [`PIECE`] entries. Each piece is summed in [`SUMS`] interleaved partial sums, pieces
+//! Vectors are cut into pieces of [`PIECE`] entries. Each piece is summed in `SUMS` interleaved partial sums, pieces
 //! are added in order: the order of additions is fixed, whoever does them.
 
 use rayon::prelude::*;

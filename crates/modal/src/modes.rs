@@ -20,7 +20,7 @@ pub struct ModeNode {
 pub struct Modes {
     /// Nodes.
     pub nodes: Vec<ModeNode>,
-    /// Shapes [mode][node][six degrees of freedom in the node's frame].
+    /// Shapes `[mode][node][six degrees of freedom in the node's frame]`.
     pub shapes: Vec<Vec<[f64; DOFS_PER_NODE]>>,
     /// Circular frequency of each mode, rad/s; zero for rigid body modes.
     pub omega_rad_s: Vec<f64>,
@@ -56,7 +56,7 @@ impl Modes {
         )
     }
 
-    /// Displacement along the basic z axis, [mode][node].
+    /// Displacement along the basic z axis, `[mode][node]`.
     pub fn heave(&self) -> Vec<Vec<f64>> {
         (0..self.count())
             .map(|m| (0..self.nodes.len()).map(|n| self.motion(m, n).0.z).collect())
