@@ -89,3 +89,15 @@ fn mode_files_that_cannot_serve_are_refused() {
         .exits(2)
         .says(&["--modes"]);
 }
+
+#[test]
+fn a_supersonic_mach_number_of_a_deck_is_named() {
+    let case = with_deck("swept_plate.bdf");
+    let text = std::fs::read_to_string(case.path("wing.bdf")).unwrap();
+    let marked = text.replacen("BEGIN BULK", "BEGIN BULK\nMKAERO1,1.3,,,,,,,,+MK\n+MK,0.1", 1);
+    let line = marked.lines().position(|l| l.starts_with("MKAERO1,1.3")).unwrap() + 1;
+    std::fs::write(case.path("wing.bdf"), marked).unwrap();
+    case.run("dlm", &["flutter", "wing.bdf"])
+        .exits(2)
+        .says(&["MKAERO1", "M < 1", &format!("wing.bdf:{line}")]);
+}

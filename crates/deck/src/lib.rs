@@ -238,6 +238,19 @@ fn prepare(
             what: "has no MKAERO1 or MKAERO2 card; aerodynamics need Mach numbers and reduced frequencies".to_owned(),
         });
     }
+    if let Some((pair, at)) = bulk
+        .mach_k
+        .iter()
+        .zip(&bulk.mach_k_at)
+        .find(|(pair, _)| pair.mach >= 1.0)
+        && !bulk.panels.is_empty()
+    {
+        let what = format!(
+            "Mach number {}: the doublet lattice needs 0 <= M < 1; leave the supersonic ones out of the card",
+            pair.mach
+        );
+        return Err(error::misfit(at, "MKAERO1 or MKAERO2", what));
+    }
     let aero = AeroModel::new(bulk, geometry, subcase, notes)?;
     let modes = match file {
         Some(table) => modes::modes_of_file(bulk, geometry, table)?,

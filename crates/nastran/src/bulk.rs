@@ -84,6 +84,8 @@ pub struct Bulk {
     pub beam_splines: BTreeMap<u32, BeamSpline>,
     /// Mach numbers and reduced frequencies in the order of the cards, repeated pairs left out.
     pub mach_k: Vec<MachK>,
+    /// Where each of [`Bulk::mach_k`] stands.
+    pub mach_k_at: Vec<Location>,
     pub flutters: BTreeMap<u32, Flutter>,
     pub factors: BTreeMap<u32, Factors>,
     pub damping_tables: BTreeMap<u32, DampingTable>,
@@ -467,8 +469,8 @@ impl Reader {
             "SET1" => put(&mut b.point_sets, card, IdList::read(card)?),
             "SPLINE1" | "SPLINE4" => put(&mut b.surface_splines, card, SurfaceSpline::read(card)?),
             "SPLINE2" | "SPLINE5" => put(&mut b.beam_splines, card, BeamSpline::read(card)?),
-            "MKAERO1" => take_mach_k(b, MachK::read_combinations(card)?),
-            "MKAERO2" => take_mach_k(b, MachK::read_pairs(card)?),
+            "MKAERO1" => take_mach_k(b, card, MachK::read_combinations(card)?),
+            "MKAERO2" => take_mach_k(b, card, MachK::read_pairs(card)?),
             "FLUTTER" => put(&mut b.flutters, card, Flutter::read(card)?),
             "FLFACT" => put(&mut b.factors, card, Factors::read(card)?),
             "TABDMP1" => put(&mut b.damping_tables, card, DampingTable::read(card)?),
@@ -499,10 +501,11 @@ fn put_scalar_points(map: &mut BTreeMap<u32, Scalar>, card: &Card) -> Result<(),
     put(map, card, Scalar::read_scalar_points(card, card.name().ends_with('4'))?)
 }
 
-fn take_mach_k(bulk: &mut Bulk, pairs: Vec<MachK>) -> Result<(), DeckError> {
+fn take_mach_k(bulk: &mut Bulk, card: &Card, pairs: Vec<MachK>) -> Result<(), DeckError> {
     for pair in pairs {
         if !bulk.mach_k.contains(&pair) {
             bulk.mach_k.push(pair);
+            bulk.mach_k_at.push(card.at());
         }
     }
     Ok(())
