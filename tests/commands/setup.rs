@@ -9,14 +9,19 @@ pub struct CaseFolder {
 }
 
 impl CaseFolder {
-    /// The shipped case, on few boxes and at one Mach number so that a run takes a moment.
-    pub fn small() -> Self {
+    /// The shipped case as it is.
+    pub fn whole() -> Self {
         let folder = tempfile::tempdir().unwrap();
         copy(
             &Path::new(env!("CARGO_MANIFEST_DIR")).join("cases/agard445"),
             folder.path(),
         );
-        let case = Self { folder };
+        Self { folder }
+    }
+
+    /// The shipped case, on few boxes and at one Mach number so that a run takes a moment.
+    pub fn small() -> Self {
+        let case = Self::whole();
         for file in ["flutter.toml", "flutter_yates.toml"] {
             case.edit(file, "mach = [0.499, 0.678, 0.901, 0.954, 0.960]", "mach = [0.678]");
             case.edit(

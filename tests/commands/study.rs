@@ -65,3 +65,33 @@ fn schemas_are_json() {
     }
     case.run("dip", &["schema", "wings"]).exits(2).says(&["wing"]);
 }
+
+/// PanelAero (quartic kernel, 10 x 20 boxes, Yates' modes, the experiment's densities, g = 0), computed for this project's
+/// reference data: `cases/agard445/published/panelaero_dlm.csv`. The splines differ: within 1 %.
+#[test]
+fn the_shipped_study_meets_panelaero() {
+    let case = CaseFolder::whole();
+    let run = case
+        .run("dip", &["compare", "boundary.toml", "--out", "out", "--json"])
+        .exits(0);
+    let summary: serde_json::Value = serde_json::from_str(&run.stdout).unwrap();
+    let points = summary["points"].as_array().unwrap();
+    let published = [
+        (0.499, 0.4508),
+        (0.678, 0.4292),
+        (0.901, 0.3705),
+        (0.954, 0.3332),
+        (0.960, 0.3287),
+    ];
+    for (mach, index) in published {
+        let point = points
+            .iter()
+            .find(|p| p["curve"] == "DLM, Yates' modes" && p["mach"] == mach)
+            .unwrap();
+        let ours = point["flutter_speed_index"].as_f64().unwrap();
+        assert!(
+            (ours / index - 1.0).abs() < 0.01,
+            "Mach {mach}: {ours}, PanelAero {index}"
+        );
+    }
+}
