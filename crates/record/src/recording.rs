@@ -12,6 +12,6 @@ pub struct Recording {
     pub setup: Setup,
     /// Steps without gaps, in the order of time.
     pub steps: Vec<Step>,
-    /// True if the run ended in order and closed its file; false for a run that was killed or still goes on.
-    pub finished: bool,
+    /// Why the run ended, in its own words; none for a run that was killed or still goes on.
+    pub end: Option<String>,
 }
