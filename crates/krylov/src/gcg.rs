@@ -5,8 +5,13 @@
 //! `q = A p` made orthogonal to the kept images, and the step along it makes `|r|` least over all kept directions.
 //! The preconditioner may change from one iteration to the next. `A p = q` is kept for every direction, so directions
 //! can be stored in single precision while `r` and `x` are double.
+//!
+//! Only the images are made orthogonal as the iteration goes. The directions stay as the preconditioner gave them, and
+//! the coefficients of the triangular relation `A P = Q R` are kept instead: the step along the orthogonalized
+//! directions is `P R^-1 y` with `y_m = b . q_m`, summed up once at the end. That is the same method with a third of
+//! its memory traffic less. A direction that makes room for a new one is first taken out of those that stay.
 
-use crate::vector::{add_scaled, dot, dot_many, norm, scale_into, subtract_many};
+use crate::vector::{add_many, add_scaled, add_scaled_stored, dot_many, norm, orthogonalize, store_and_step};
 use crate::{KrylovError, Storage};
 
 /// `y = A x`.
@@ -59,12 +64,40 @@ pub struct GcgOutcome {
     pub converged: bool,
 }
 
-/// The method with its work arrays, kept between solves so that nothing is allocated in an iteration.
+/// A kept direction and its part in the solution.
+#[derive(Clone, Debug)]
+struct Kept<S> {
+    /// The direction as the preconditioner gave it.
+    p: Vec<S>,
+    /// Its image, orthogonal to the older ones, of unit length.
+    q: Vec<S>,
+    /// `A p . q` with the images of the older directions, by slot (column of R above its diagonal).
+    above: Vec<f64>,
+    /// `A p . q` with its own (diagonal of R).
+    length: f64,
+    /// Step along the image.
+    step: f64,
+}
+
+impl<S> Default for Kept<S> {
+    fn default() -> Self {
+        Self {
+            p: Vec::new(),
+            q: Vec::new(),
+            above: Vec::new(),
+            length: 1.0,
+            step: 0.0,
+        }
+    }
+}
+
+/// The method with its work arrays, kept between solves so that no vector is allocated in an iteration.
 #[derive(Clone, Debug, Default)]
 pub struct Gcg<S> {
-    p: Vec<Vec<S>>,
-    q: Vec<Vec<S>>,
+    kept: Vec<Kept<S>>,
     image: Vec<f64>,
+    scratch: Vec<f64>,
+    products: Vec<f64>,
 }
 
 impl<S: Storage> Gcg<S> {
@@ -72,9 +105,10 @@ impl<S: Storage> Gcg<S> {
     #[must_use]
     pub fn new() -> Self {
         Self {
-            p: Vec::new(),
-            q: Vec::new(),
+            kept: Vec::new(),
             image: Vec::new(),
+            scratch: Vec::new(),
+            products: Vec::new(),
         }
     }
 
@@ -100,11 +134,8 @@ impl<S: Storage> Gcg<S> {
             });
         }
         x.fill(0.0);
-        let kept = settings.directions.max(1);
-        for set in [&mut self.p, &mut self.q] {
-            set.resize_with(kept, Vec::new);
-            set.iter_mut().for_each(|v| v.resize(n, S::default()));
-        }
+        let most = settings.directions.max(1);
+        self.kept.truncate(most);
         self.image.resize(n, 0.0);
 
         let start = norm(b);
@@ -115,90 +146,127 @@ impl<S: Storage> Gcg<S> {
                 converged: true,
             });
         }
-        let mut reduction = 1.0;
-        for iteration in 0..settings.max_iterations {
-            let slot = iteration % kept;
-            let used = iteration.min(kept);
-            preconditioner.solve(b, &mut self.p[slot]);
-            operator.apply(&self.p[slot], &mut self.image)?;
-
-            // Orthogonalize the image against the kept ones (classical Gram-Schmidt: one pass for all products).
-            let (p_new, p_old) = split(&mut self.p, slot, used);
-            let (q_new, q_old) = split(&mut self.q, slot, used);
-            let products = dot_many(&self.image, &q_old);
-            let own = products[used.min(q_old.len())];
-            if !(own > 0.0 && own.is_finite()) {
-                return Err(KrylovError::Breakdown {
-                    iteration: iteration + 1,
-                    norm_squared: own,
-                });
+        let mut outcome = GcgOutcome {
+            iterations: 0,
+            reduction: 1.0,
+            converged: false,
+        };
+        while outcome.iterations < settings.max_iterations {
+            let iteration = outcome.iterations;
+            let slot = iteration % most;
+            let full = iteration >= most;
+            if full {
+                self.retire(slot, x);
+            } else if slot == self.kept.len() {
+                self.kept.push(Kept::default());
             }
-            let coefficients = &products[..q_old.len()];
-            subtract_many(&mut self.image, coefficients, &q_old);
-            subtract_many(p_new, coefficients, &p_old);
-            let length_squared = dot(&self.image, &self.image);
-            if !(length_squared > 0.0 && length_squared.is_finite()) {
-                return Err(KrylovError::Breakdown {
-                    iteration: iteration + 1,
-                    norm_squared: length_squared,
-                });
-            }
-            // Images are stored with unit length, their directions scaled alike.
-            let scale = 1.0 / length_squared.sqrt();
-            scale_into(scale, &self.image, q_new);
-            for v in p_new.iter_mut() {
-                *v = S::from_f64(v.to_f64() * scale);
-            }
-            let step = dot(b, &*q_new);
-            add_scaled(x, step, &*p_new);
-            add_scaled(b, -step, &*q_new);
-
-            reduction = norm(b) / start;
+            let reduction = self.iterate(operator, preconditioner, iteration, slot, full, b)? / start;
+            outcome.iterations += 1;
+            outcome.reduction = reduction;
             if !reduction.is_finite() {
-                return Err(KrylovError::Breakdown {
-                    iteration: iteration + 1,
-                    norm_squared: length_squared,
-                });
+                return Err(breakdown(iteration, reduction));
             }
-            if reduction <= settings.tolerance {
-                return Ok(GcgOutcome {
-                    iterations: iteration + 1,
-                    reduction,
-                    converged: true,
-                });
-            }
-            if iteration + 1 == settings.patience && reduction > 0.9 {
-                return Ok(GcgOutcome {
-                    iterations: iteration + 1,
-                    reduction,
-                    converged: false,
-                });
+            outcome.converged = reduction <= settings.tolerance;
+            if outcome.converged || (outcome.iterations == settings.patience && reduction > 0.9) {
+                break;
             }
         }
-        Ok(GcgOutcome {
-            iterations: settings.max_iterations,
-            reduction,
-            converged: false,
-        })
+        let used = outcome.iterations.min(most);
+        let oldest = if outcome.iterations > most {
+            outcome.iterations % most
+        } else {
+            0
+        };
+        self.sum_up(used, oldest, x);
+        Ok(outcome)
+    }
+
+    /// One direction more, in `slot`: its image is made orthogonal to the kept ones, and `b` least along it. Returns the
+    /// norm of `b`.
+    fn iterate(
+        &mut self,
+        operator: &mut impl LinearOperator<S>,
+        preconditioner: &mut impl Preconditioner<S>,
+        iteration: usize,
+        slot: usize,
+        full: bool,
+        b: &mut [f64],
+    ) -> Result<f64, KrylovError> {
+        let used = if full { self.kept.len() } else { slot + 1 };
+        let mut new = std::mem::take(&mut self.kept[slot]);
+        new.p.resize(b.len(), S::default());
+        new.q.resize(b.len(), S::default());
+        preconditioner.solve(b, &mut new.p);
+        operator.apply(&new.p, &mut self.image)?;
+
+        // Orthogonalize the image against the kept ones (classical Gram-Schmidt: one pass for all products).
+        let others = |m: &usize| *m != slot;
+        let basis: Vec<&[S]> = (0..used).filter(others).map(|m| self.kept[m].q.as_slice()).collect();
+        self.products.resize(used, 0.0);
+        dot_many(&mut self.image, &basis, &mut self.scratch, &mut self.products);
+        let (coefficients, own) = self.products.split_at(used - 1);
+        if !(own[0] > 0.0 && own[0].is_finite()) {
+            return Err(breakdown(iteration, own[0]));
+        }
+        let [length_squared, product] = orthogonalize(&mut self.image, coefficients, &basis, b, &mut self.scratch);
+        if !(length_squared > 0.0 && length_squared.is_finite()) {
+            return Err(breakdown(iteration, length_squared));
+        }
+        new.length = length_squared.sqrt();
+        new.step = product / new.length;
+        new.above.clear();
+        new.above.resize(self.kept.len(), 0.0);
+        for (m, c) in (0..used).filter(others).zip(coefficients) {
+            new.above[m] = *c;
+        }
+        let scale = 1.0 / new.length;
+        let squared = store_and_step(&self.image, scale, &mut new.q, new.step, b, &mut self.scratch);
+        self.kept[slot] = new;
+        Ok(squared.sqrt())
+    }
+
+    /// Takes the oldest direction, in `slot`, out of the sums that are still to be made: its part goes into `x`, and the
+    /// directions that were made orthogonal to it by their coefficients now are so themselves.
+    fn retire(&mut self, slot: usize, x: &mut [f64]) {
+        let (before, rest) = self.kept.split_at_mut(slot);
+        let Some((old, after)) = rest.split_first_mut() else {
+            return;
+        };
+        let scale = 1.0 / old.length;
+        add_scaled(x, old.step * scale, &old.p);
+        for other in before.iter_mut().chain(after) {
+            let c = std::mem::replace(&mut other.above[slot], 0.0);
+            add_scaled_stored(&mut other.p, -c * scale, &old.p);
+        }
+    }
+
+    /// `x += P R^-1 y` over `used` directions, the oldest in slot `oldest`.
+    fn sum_up(&mut self, used: usize, oldest: usize, x: &mut [f64]) {
+        let mut weights: Vec<f64> = self.kept[..used].iter().map(|k| k.step).collect();
+        // From the newest back: what a direction adds along older images is taken off the older ones' weights.
+        for age in (0..used).rev() {
+            let m = (oldest + age) % used;
+            weights[m] /= self.kept[m].length;
+            for older in 0..age {
+                let o = (oldest + older) % used;
+                weights[o] -= self.kept[m].above[o] * weights[m];
+            }
+        }
+        let directions: Vec<&[S]> = self.kept[..used].iter().map(|k| k.p.as_slice()).collect();
+        add_many(x, &weights, &directions);
     }
 
     /// Bytes held.
     #[must_use]
     pub fn bytes(&self) -> usize {
-        let directions: usize = self.p.iter().chain(&self.q).map(Vec::len).sum();
+        let directions: usize = self.kept.iter().map(|k| k.p.len() + k.q.len()).sum();
         directions * size_of::<S>() + self.image.len() * size_of::<f64>()
     }
 }
 
-/// The vector to be written and those in use, the oldest of which is the one overwritten once all are.
-fn split<S>(set: &mut [Vec<S>], slot: usize, used: usize) -> (&mut Vec<S>, Vec<&[S]>) {
-    let (before, rest) = set.split_at_mut(slot);
-    // The slot is never empty: there is at least one.
-    let (new, after) = rest.split_at_mut(1);
-    let old = before
-        .iter()
-        .chain(after.iter().take(used.saturating_sub(slot)))
-        .map(Vec::as_slice)
-        .collect();
-    (&mut new[0], old)
+fn breakdown(iteration: usize, norm_squared: f64) -> KrylovError {
+    KrylovError::Breakdown {
+        iteration: iteration + 1,
+        norm_squared,
+    }
 }
