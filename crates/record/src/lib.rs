@@ -7,16 +7,29 @@
 //! Everything is in SI units, angles in radians unless a name says `deg`; x aft, y to starboard, z up. Time counts from
 //! the start of the run.
 
+mod check;
+mod container;
 pub mod error;
+pub mod finding;
+mod message;
+mod metadata;
 pub mod motion;
+mod position;
+pub mod read;
 pub mod recording;
+mod schema;
 pub mod setup;
 pub mod step;
 pub mod surface;
+pub mod write;
 
 pub use error::RecordError;
+pub use finding::{Finding, FindingKind};
+pub use message::Precision;
 pub use motion::{CoordinateKind, Harmonic, Law, MotionCoordinate, MotionValue, StructuralMode};
+pub use read::Salvage;
 pub use recording::Recording;
 pub use setup::{Provenance, References, Setup};
 pub use step::{Convergence, Loads, Modal, Step};
 pub use surface::{SurfaceGrid, SurfacePatch};
+pub use write::{Writer, WriterOptions};
