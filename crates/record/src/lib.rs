@@ -17,7 +17,7 @@ pub mod motion;
 mod position;
 pub mod read;
 pub mod recording;
-mod schema;
+pub mod schema;
 pub mod setup;
 pub mod step;
 pub mod surface;

@@ -18,7 +18,7 @@ pub const PROFILE: &str = "dip";
 
 /// A channel: its topic, its schema, and the descriptor that goes into the file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Channel {
+pub struct Channel {
     /// Topic.
     pub topic: &'static str,
     /// Full name of the message.
@@ -62,7 +62,7 @@ pub(crate) const VIEWER: Channel = channel!(
 pub(crate) const CONVERGENCE: Channel = channel!("/convergence", "dip.Convergence", "dip_convergence_proto", true);
 
 /// All channels; a file numbers them from 1 in this order.
-pub(crate) const CHANNELS: [Channel; 9] = [
+pub const CHANNELS: [Channel; 9] = [
     SURFACE_GRID,
     SURFACE_MODE,
     MOTION,
