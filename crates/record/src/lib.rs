@@ -9,11 +9,13 @@
 
 mod check;
 mod container;
+pub mod csv;
 pub mod error;
 pub mod finding;
 mod message;
 mod metadata;
 pub mod motion;
+pub mod paraview;
 mod position;
 pub mod read;
 pub mod recording;

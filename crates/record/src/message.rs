@@ -157,16 +157,9 @@ pub(crate) fn convergence(step: &Step) -> Vec<u8> {
 /// The wall's face centroids where they are now, coloured by Cp.
 pub(crate) fn viewer(setup: &Setup, step: &Step, log_time_ns: u64) -> Vec<u8> {
     use foxglove::packed_element_field::NumericType;
-    let moved;
-    let nodes = match &step.shape_m {
-        Some(nodes) => nodes,
-        None => {
-            moved = setup.nodes_at(&step.motion);
-            &moved
-        }
-    };
+    let nodes = step.nodes_m(setup);
     let mut data = Vec::with_capacity(16 * setup.surface.face_count());
-    for ((patch, nodes), cp) in setup.surface.patches.iter().zip(nodes).zip(&step.pressures) {
+    for ((patch, nodes), cp) in setup.surface.patches.iter().zip(&nodes).zip(&step.pressures) {
         for (face, cp) in patch.faces.iter().zip(cp) {
             for d in 0..3 {
                 // The mean of the corners is close enough for a picture.

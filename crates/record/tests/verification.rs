@@ -569,3 +569,85 @@ fn areas_point_into_the_fluid_and_close() {
     assert!(upper[2] > 0.0 && (upper[2] + lower[2]).abs() < 1e-15);
     assert!((upper[2] - 0.5587 * 0.762).abs() < 1e-15);
 }
+
+/// The table of a recording holds its numbers to the bit.
+#[test]
+fn tables_hold_the_numbers() {
+    let setup = synthetic::setup([2, 1]);
+    let recording = Recording {
+        steps: (0..3).map(|n| synthetic::step(&setup, n)).collect(),
+        setup,
+        end: None,
+    };
+    let rows = |table: &str| -> Vec<Vec<String>> {
+        table
+            .lines()
+            .map(|l| l.split(',').map(str::to_owned).collect())
+            .collect()
+    };
+    let history = rows(&dip_record::csv::history(&recording));
+    assert_eq!(history[0][..4], ["step", "time_s", "pitch_rad", "pitch_rate_rad_per_s"]);
+    assert!(history.iter().all(|r| r.len() == history[0].len()));
+    let at = |name: &str| history[0].iter().position(|c| c == name).unwrap();
+    for (row, step) in history[1..].iter().zip(&recording.steps) {
+        let number = |name: &str| row[at(name)].parse::<f64>().unwrap();
+        assert_eq!(number("time_s"), step.time_s);
+        assert_eq!(number("pitch_rad"), step.motion[0].value);
+        assert_eq!(number("moment_y_n_m"), step.loads.moment_n_m[1]);
+        assert_eq!(number("generalized_force_1_j"), step.modal.as_ref().unwrap().force_j[0]);
+        assert_eq!(row.last().unwrap(), &step.convergence.converged.to_string());
+    }
+    let pressure = rows(&dip_record::csv::pressure(&recording));
+    let surface = rows(&dip_record::csv::surface(&recording));
+    assert_eq!(pressure[0].len(), 2 + surface.len() - 1);
+    assert_eq!(pressure[0][2], "cp upper 0");
+    assert_eq!(
+        pressure[2][3].parse::<f64>().unwrap(),
+        recording.steps[1].pressures[0][1]
+    );
+    assert_eq!(surface[3][..2], ["lower", "0"]);
+    assert_eq!(dip_record::csv::quoted("a,\"b\""), "\"a,\"\"b\"\"\"");
+}
+
+/// The series has every step at its instant, and its arrays hold points and pressures.
+#[test]
+fn a_series_for_paraview_holds_every_step() {
+    let dir = folder();
+    let setup = synthetic::setup([3, 2]);
+    let recording = Recording {
+        steps: (4..7).map(|n| synthetic::step(&setup, n)).collect(),
+        setup,
+        end: None,
+    };
+    let files = dip_record::paraview::write(&dir.path().join("wing.pvd"), &recording).unwrap();
+    assert_eq!(files.len(), 4);
+    let index = fs::read_to_string(dir.path().join("wing.pvd")).unwrap();
+    for step in &recording.steps {
+        assert!(index.contains(&format!("timestep=\"{:?}\"", step.time_s)));
+        let bytes = fs::read(dir.path().join(format!("wing/{:06}.vtp", step.number))).unwrap();
+        let text = String::from_utf8_lossy(&bytes);
+        // What stands at the offset that the header gives, after its length.
+        let start = bytes.windows(2).position(|w| w == b"\n_").unwrap() + 2;
+        let array = |name: &str| -> Vec<f32> {
+            let head = text.find(&format!("Name=\"{name}\"")).unwrap();
+            let offset = text[head..].split("offset=\"").nth(1).unwrap();
+            let at = start + offset[..offset.find('"').unwrap()].parse::<usize>().unwrap();
+            let length = u64::from_le_bytes(bytes[at..at + 8].try_into().unwrap()) as usize;
+            bytes[at + 8..at + 8 + length]
+                .chunks_exact(4)
+                .map(|b| f32::from_le_bytes(b.try_into().unwrap()))
+                .collect()
+        };
+        let cp: Vec<f32> = step.pressures.iter().flatten().map(|v| *v as f32).collect();
+        assert_eq!(array("Cp"), cp);
+        let points: Vec<f32> = recording
+            .setup
+            .nodes_at(&step.motion)
+            .iter()
+            .flatten()
+            .flatten()
+            .map(|v| *v as f32)
+            .collect();
+        assert_eq!(array("points"), points);
+    }
+}
