@@ -10,6 +10,7 @@
 
 pub mod boundary;
 pub mod check;
+pub mod dual_time;
 pub mod error;
 pub mod field;
 pub mod flux;
@@ -17,12 +18,15 @@ pub mod gas;
 pub mod jacobian;
 pub mod level;
 pub mod loads;
+pub mod motion;
+pub mod moving;
 pub mod observer;
 pub mod real;
 pub mod reconstruct;
 pub mod residual;
 pub mod restart;
 pub mod scheme;
+pub mod secant;
 pub mod sequence;
 pub mod settings;
 pub mod solver;

@@ -73,6 +73,32 @@ impl WallGeometry {
         Self { patches }
     }
 
+    /// Follows the walls of a moving grid; for the finest level only.
+    pub fn follow(&mut self, level: &Level, nodes: &crate::moving::Nodes) {
+        for (n, centres) in &mut self.patches {
+            let patch = &level.patches[*n];
+            let cells = level.blocks[patch.block].layout.cells;
+            let count = cells.map(|c| c + 1);
+            let [x, y, z] = &nodes.blocks[patch.block];
+            let mut to = centres.iter_mut();
+            for q in patch.window.lo[1]..patch.window.hi[1] {
+                for p in patch.window.lo[0]..patch.window.hi[0] {
+                    let mut centre = [0.0; 3];
+                    for (a, b) in [(0, 0), (1, 0), (0, 1), (1, 1)] {
+                        let [i, j, k] = patch.face.ijk(count, p + a, q + b, 0);
+                        let node = i + count[0] * (j + count[1] * k);
+                        for (c, x) in centre.iter_mut().zip([x, y, z]) {
+                            *c += 0.25 * x[node];
+                        }
+                    }
+                    if let Some(to) = to.next() {
+                        *to = centre;
+                    }
+                }
+            }
+        }
+    }
+
     /// True if there is a wall.
     #[must_use]
     pub fn has_wall(&self) -> bool {

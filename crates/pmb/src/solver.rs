@@ -156,10 +156,28 @@ pub struct Solver {
     radii: Vec<f64>,
     /// V/dt.
     time: Vec<f64>,
+    /// Time derivative of an unsteady flow; none while marching to a steady one.
+    pub inertia: Option<Inertia>,
     preconditioner: Option<Multilevel<f32>>,
     gcg: Gcg<f32>,
     rhs: Vec<f64>,
     perturbed: Vec<f64>,
+    unweighted: Vec<f64>,
+}
+
+/// Backward difference in time of a cell's contents: `rate Q(W) + source`, the rate being a0 V/dt.
+#[derive(Clone, Debug, Default)]
+pub struct Inertia {
+    /// a0 V/dt, `[cell]`.
+    pub rate: Vec<f64>,
+    /// What earlier time levels contribute, `[cell][variable]`.
+    pub source: Vec<f64>,
+    /// Part of V/dtau = spectral radius / pseudo CFL number that is added to the diagonal; 0 for Newton steps.
+    pub damping: f64,
+    /// Weight of every cell's equations in norms and inner products, `[cell]`: one over a0 V/dt + spectral radius, so that a
+    /// residual is the change of the flow it would cause. Unweighted, the small cells at a wall would hardly count, and
+    /// what a loose tolerance leaves would gather there.
+    pub weight: Vec<f64>,
 }
 
 impl Solver {
@@ -179,10 +197,12 @@ impl Solver {
             step: vec![0.0; n],
             radii: vec![0.0; cells],
             time: vec![0.0; cells],
+            inertia: None,
             preconditioner: None,
             gcg: Gcg::new(),
             rhs: vec![0.0; n],
             perturbed: vec![0.0; n],
+            unweighted: Vec::new(),
         }
     }
 
@@ -207,12 +227,14 @@ impl Solver {
     /// Round-off of the residual: unit round-off times the norm of what is summed up, radii times conservative size.
     #[must_use]
     pub fn round_off(&self) -> f64 {
+        let weight = |cell: usize| self.inertia.as_ref().map_or(1.0, |i| i.weight[cell]);
         let sum: f64 = self
             .radii
             .iter()
             .zip(self.unknowns.chunks_exact(VARIABLES))
-            .map(|(r, w)| {
-                let size = r * (w[0].abs() + w[4].abs());
+            .enumerate()
+            .map(|(cell, (r, w))| {
+                let size = weight(cell) * r * (w[0].abs() + w[4].abs());
                 size * size
             })
             .sum();
@@ -229,11 +251,77 @@ impl Solver {
         }
     }
 
+    /// The diagonal of an unsteady step: `a0 V/dt`, and `damping` of V/dt at CFL one besides.
+    fn set_unsteady_time(&mut self) {
+        let Some(inertia) = &self.inertia else { return };
+        if inertia.damping > 0.0 {
+            with_gas!(self.equations.scheme.gamma, gas => {
+                spectral_radii(gas, &self.equations.level, &self.equations.field, &mut self.radii);
+            });
+        }
+        for ((t, rate), r) in self.time.iter_mut().zip(&inertia.rate).zip(&self.radii) {
+            *t = rate + inertia.damping * r;
+        }
+    }
+
+    /// Weights of an unsteady step's equations for the current flow, grid and rates.
+    pub fn set_weights(&mut self) {
+        let Some(inertia) = &mut self.inertia else { return };
+        with_gas!(self.equations.scheme.gamma, gas => {
+            spectral_radii(gas, &self.equations.level, &self.equations.field, &mut self.radii);
+        });
+        for ((weight, rate), r) in inertia.weight.iter_mut().zip(&inertia.rate).zip(&self.radii) {
+            *weight = 1.0 / (rate + r);
+        }
+    }
+
+    /// The right-hand side of the next linear system: minus the residual, with the time derivative where there is one.
+    /// Returns its norm.
+    pub fn balance(&mut self) -> f64 {
+        let gamma = self.equations.scheme.gamma;
+        match &self.inertia {
+            None => {
+                for (b, r) in self.rhs.iter_mut().zip(&self.residual) {
+                    *b = -r;
+                }
+            }
+            Some(inertia) => {
+                const PIECE: usize = VARIABLES * 512;
+                self.rhs
+                    .par_chunks_mut(PIECE)
+                    .zip(self.residual.par_chunks(PIECE))
+                    .zip(inertia.source.par_chunks(PIECE))
+                    .zip(self.unknowns.par_chunks(PIECE))
+                    .zip(inertia.rate.par_chunks(PIECE / VARIABLES))
+                    .zip(inertia.weight.par_chunks(PIECE / VARIABLES))
+                    .for_each(|(((((b, r), s), w), rate), weight)| {
+                        for (n, (rate, weight)) in rate.iter().zip(weight).enumerate() {
+                            let c = n * VARIABLES..(n + 1) * VARIABLES;
+                            let (b, r, s, w) = (&mut b[c.clone()], &r[c.clone()], &s[c.clone()], &w[c]);
+                            let state: State<f64> = [w[0], w[1], w[2], w[3], w[4]];
+                            let q = with_gas!(gamma, gas => crate::gas::conservative(gas, &state));
+                            for v in 0..VARIABLES {
+                                b[v] = -(r[v] + rate * q[v] + s[v]) * weight;
+                            }
+                        }
+                    });
+            }
+        }
+        vector::norm(&self.rhs)
+    }
+
+    /// The right-hand side of the last [`Solver::balance`], until the next solve.
+    #[must_use]
+    pub fn rhs(&self) -> &[f64] {
+        &self.rhs
+    }
+
     /// Assembles and factors the preconditioner for the current flow and time step.
     ///
     /// # Errors
     /// If a diagonal block is singular; the next call starts anew.
     pub fn build(&mut self) -> Result<(), FlowError> {
+        self.set_unsteady_time();
         let mut preconditioner = match self.preconditioner.take() {
             Some(kept) => kept,
             None => Multilevel::new(shapes(&self.equations.level)),
@@ -250,9 +338,8 @@ impl Solver {
     /// # Errors
     /// If the linear solver breaks down, or [`Solver::build`] was not called.
     pub fn solve(&mut self, settings: &GcgSettings) -> Result<GcgOutcome, FlowError> {
-        for (b, r) in self.rhs.iter_mut().zip(&self.residual) {
-            *b = -r;
-        }
+        self.balance();
+        self.set_unsteady_time();
         // A step of 1e-7 of the flow's own size: differences lose seven digits, the linear tolerance needs two or three.
         let size = 1e-7 * (1.0 + vector::norm(&self.unknowns));
         let mut product = Product {
@@ -260,13 +347,18 @@ impl Solver {
             unknowns: &self.unknowns,
             residual: &self.residual,
             time: &self.time,
+            weight: self.inertia.as_ref().map(|i| i.weight.as_slice()),
             perturbed: &mut self.perturbed,
             size,
         };
         let Some(preconditioner) = &mut self.preconditioner else {
             return Err(FlowError::NotBuilt);
         };
-        let mut precondition = Precondition { preconditioner };
+        let mut precondition = Precondition {
+            preconditioner,
+            weight: self.inertia.as_ref().map(|i| i.weight.as_slice()),
+            unweighted: &mut self.unweighted,
+        };
         let outcome = self
             .gcg
             .solve(&mut product, &mut precondition, settings, &mut self.rhs, &mut self.step);
@@ -352,6 +444,7 @@ struct Product<'a> {
     unknowns: &'a [f64],
     residual: &'a [f64],
     time: &'a [f64],
+    weight: Option<&'a [f64]>,
     perturbed: &'a mut [f64],
     size: f64,
 }
@@ -391,6 +484,9 @@ impl LinearOperator<f32> for Product<'_> {
                     }
                 }
             });
+        if let Some(weight) = self.weight {
+            weigh(y, weight, |y, w| y * w);
+        }
         Ok(())
     }
 }
@@ -402,13 +498,35 @@ fn time_change(gas: &impl Gas, w: &State<f64>, x: &State<f64>) -> State<f64> {
     gradient.map(|row| row.iter().zip(x).map(|(g, x)| g * x).sum())
 }
 
+/// Changes every equation of a cell by its weight.
+fn weigh(values: &mut [f64], weight: &[f64], change: impl Fn(f64, f64) -> f64 + Sync) {
+    const PIECE: usize = 512;
+    values
+        .par_chunks_mut(PIECE * VARIABLES)
+        .zip(weight.par_chunks(PIECE))
+        .for_each(|(values, weight)| {
+            for (cell, weight) in values.chunks_exact_mut(VARIABLES).zip(weight) {
+                cell.iter_mut().for_each(|v| *v = change(*v, *weight));
+            }
+        });
+}
+
 struct Precondition<'a> {
     preconditioner: &'a mut Multilevel<f32>,
+    weight: Option<&'a [f64]>,
+    unweighted: &'a mut Vec<f64>,
 }
 
 impl Preconditioner<f32> for Precondition<'_> {
     fn solve(&mut self, r: &[f64], z: &mut [f32]) {
-        self.preconditioner.solve(r, z);
+        if let Some(weight) = self.weight {
+            self.unweighted.clear();
+            self.unweighted.extend_from_slice(r);
+            weigh(self.unweighted, weight, |r, w| r / w);
+            self.preconditioner.solve(self.unweighted, z);
+        } else {
+            self.preconditioner.solve(r, z);
+        }
     }
 }
 

@@ -37,8 +37,9 @@ fn fill_patch(block: &LevelBlock, patch: &LevelPatch, boundary: &Boundary, schem
             let (near, far) = match boundary {
                 Boundary::Symmetry => {
                     let [i, j, k] = patch.face.ijk(block.faces[axis].count, p, q, 0);
-                    let n = block.faces[axis].unit(block.faces[axis].at(i, j, k));
-                    (mirrored(&first, &n), mirrored(&inside(1), &n))
+                    let f = block.faces[axis].at(i, j, k);
+                    let (n, speed) = (block.faces[axis].unit(f), block.faces[axis].face_speed(f));
+                    (mirrored(&first, &n, speed), mirrored(&inside(1), &n, speed))
                 }
                 Boundary::FarField(stream) | Boundary::FarFieldCharacteristic(stream) => (*stream, *stream),
                 Boundary::InflowSupersonic(state) => (*state, *state),
@@ -51,8 +52,9 @@ fn fill_patch(block: &LevelBlock, patch: &LevelPatch, boundary: &Boundary, schem
     }
 }
 
-fn mirrored(w: &State<f64>, n: &[f64; 3]) -> State<f64> {
-    let twice = 2.0 * (w[1] * n[0] + w[2] * n[1] + w[3] * n[2]);
+/// The image of a state in a plane with normal `n` that moves along it at `speed`.
+fn mirrored(w: &State<f64>, n: &[f64; 3], speed: f64) -> State<f64> {
+    let twice = 2.0 * (w[1] * n[0] + w[2] * n[1] + w[3] * n[2] - speed);
     [
         w[0],
         w[1] - twice * n[0],
