@@ -60,9 +60,9 @@ fn a_grid_file_may_be_named_and_is_kept() {
     case.run("pmb", &["mesh", "grid.toml", "-o", "a/wing.xyz"])
         .exits(2)
         .says(&["is there already", "--force"]);
-    case.run("pmb", &["mesh", "grid.toml", "-o", "wing.cgns"])
+    case.run("pmb", &["mesh", "grid.toml", "-o", "wing.su2"])
         .exits(2)
-        .says(&["cannot be written as .cgns"]);
+        .says(&["cannot be written as .su2"]);
 }
 
 #[test]
@@ -104,6 +104,24 @@ fn conversion_keeps_every_bit() {
     }
     case.run("pmb", &["mesh", "convert", "a.xyz", "a.vtm"]).exits(0);
     assert!(case.path("a/0.vts").exists());
+}
+
+/// With and without the feature `cgns`: files that stay the same through it, or a word on how to get it.
+#[test]
+fn cgns_is_read_and_written_or_says_how_to_get_it() {
+    let case = recipe();
+    case.run("pmb", &["mesh", "grid.toml", "-o", "a.xyz"]).exits(0);
+    if !case.run("pmb", &["mesh", "--help"]).stdout.contains("CGNS is built in") {
+        for args in [&["mesh", "grid.toml", "-o", "wing.cgns"][..], &["mesh", "check", "wing.cgns"]] {
+            case.run("pmb", args).exits(2).says(&["--features cgns"]);
+        }
+        return;
+    }
+    case.run("pmb", &["mesh", "convert", "a.xyz", "b.cgns"]).exits(0);
+    case.run("pmb", &["mesh", "check", "b.cgns"]).exits(0);
+    case.run("pmb", &["mesh", "convert", "b.cgns", "c.xyz"]).exits(0);
+    let read = |file: &str| fs::read(case.path(file)).unwrap();
+    assert_eq!(read("a.xyz"), read("c.xyz"));
 }
 
 #[test]

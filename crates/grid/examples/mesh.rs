@@ -1,7 +1,8 @@
 //! Makes a grid from a recipe (or opens a Plot3D file), checks it, draws it and writes it:
 //! `cargo run --release -p dip-grid --example mesh -- RECIPE-OR-GRID [-o FOLDER]`.
 //!
-//! Into the folder go the grid as Plot3D with its boundary files, as ParaView files, its pictures, and its worst cells.
+//! Into the folder go the grid as Plot3D with its boundary files, as ParaView files (and CGNS with `--features cgns`), its
+//! pictures, and its worst cells.
 //! Ends with 0 if the grid is good, 3 if a user must look, 2 if something is wrong with the input.
 
 use std::path::{Path, PathBuf};
@@ -59,6 +60,9 @@ fn write(
         println!("{note}");
     }
     file::save(&folder.join(format!("{stem}.vtm")), grid, plot3d::Layout::default())?;
+    if cfg!(feature = "cgns") {
+        file::save(&folder.join(format!("{stem}.cgns")), grid, plot3d::Layout::default())?;
+    }
     vtk::write_worst(&folder.join(format!("{stem}-worst.vtu")), grid, report)?;
     Ok(())
 }

@@ -63,6 +63,22 @@ impl Block {
         block
     }
 
+    /// A two-dimensional block of `cells`, one cell across: `x` and `up` of `(ni+1) x (nj+1)` nodes, i fastest. It stands in
+    /// the plane (x, z); k runs to port, so that the block keeps its hand.
+    #[must_use]
+    pub fn across(name: &str, cells: [usize; 2], x: &[f64], up: &[f64]) -> Self {
+        let y = std::iter::repeat_n(1.0, x.len()).chain(std::iter::repeat_n(0.0, x.len()));
+        Self {
+            name: name.to_owned(),
+            ni: cells[0],
+            nj: cells[1],
+            nk: 1,
+            x: x.repeat(2),
+            y: y.collect(),
+            z: up.repeat(2),
+        }
+    }
+
     /// Cells along i, j, k.
     #[must_use]
     pub fn cells(&self) -> [usize; 3] {

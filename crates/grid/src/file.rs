@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use crate::boundary_file::{self, BoundaryError};
+use crate::cgns::{self, CgnsError};
 use crate::connect::{self, Options};
 use crate::face::{Face, Window};
 use crate::nmf::{self, NmfError};
@@ -21,6 +22,9 @@ pub enum FileError {
     /// A Plot3D file.
     #[error(transparent)]
     Plot3d(#[from] Plot3dError),
+    /// A CGNS file.
+    #[error(transparent)]
+    Cgns(#[from] CgnsError),
     /// A boundary file.
     #[error(transparent)]
     Boundary(#[from] BoundaryError),
@@ -46,8 +50,9 @@ pub struct Opened {
     pub notes: Vec<String>,
 }
 
-/// Opens a recipe (`.toml`) or a Plot3D file. Conditions of a Plot3D file come from `boundary` if given, else from the
-/// `.bc.toml` or `.nmf` beside it; interfaces that these do not name are found by points. Left-handed blocks are turned.
+/// Opens a recipe (`.toml`), a CGNS file (with the feature `cgns`) or a Plot3D file. Conditions come from `boundary` if given;
+/// else those of a Plot3D file from the `.bc.toml` or `.nmf` beside it, and a CGNS file has its own. Interfaces that these do
+/// not name are found by points. Left-handed blocks are turned.
 /// # Errors
 /// Whatever is wrong with one of the files.
 pub fn open(path: &Path, boundary: Option<&Path>) -> Result<Opened, FileError> {
@@ -57,18 +62,15 @@ pub fn open(path: &Path, boundary: Option<&Path>) -> Result<Opened, FileError> {
             notes: Vec::new(),
         });
     }
-    let read = plot3d::read(path)?;
-    let mut notes = vec![describe(&read.layout, read.blocks.len())];
-    let tolerance = (!read.layout.double).then_some(2e-7);
-    let mut grid = MultiBlock {
-        blocks: read.blocks,
-        topology: crate::Topology::default(),
-    };
+    let is_cgns = cgns::is_named_so(path);
+    let (mut grid, mut notes, single) = if is_cgns { open_cgns(path)? } else { open_plot3d(path)? };
+    let tolerance = single.then_some(2e-7);
     let beside = || {
         [path.with_extension("bc.toml"), path.with_extension("nmf")]
             .into_iter()
             .find(|p| p.is_file())
     };
+    let beside = || if is_cgns { None } else { beside() };
     if let Some(file) = boundary.map(Path::to_path_buf).or_else(beside) {
         let text = std::fs::read_to_string(&file).map_err(|source| FileError::Io {
             path: file.clone(),
@@ -109,6 +111,49 @@ pub fn open(path: &Path, boundary: Option<&Path>) -> Result<Opened, FileError> {
         }
     }
     Ok(Opened { grid, notes })
+}
+
+/// Grid, notes, and whether it is in single precision.
+type Raw = (MultiBlock, Vec<String>, bool);
+
+fn open_plot3d(path: &Path) -> Result<Raw, FileError> {
+    let read = plot3d::read(path)?;
+    let notes = vec![describe(&read.layout, read.blocks.len())];
+    let grid = MultiBlock {
+        blocks: read.blocks,
+        topology: crate::Topology::default(),
+    };
+    Ok((grid, notes, !read.layout.double))
+}
+
+#[cfg(feature = "cgns")]
+fn open_cgns(path: &Path) -> Result<Raw, FileError> {
+    let read = cgns::read(path)?;
+    let topology = &read.grid.topology;
+    let mut notes = vec![format!(
+        "CGNS, {} zones, {} precision, {} interfaces, {} boundary patches",
+        read.grid.blocks.len(),
+        if read.single { "single" } else { "double" },
+        topology.interfaces.len(),
+        topology.patches.len()
+    )];
+    notes.extend(read.notes);
+    Ok((read.grid, notes, read.single))
+}
+
+#[cfg(not(feature = "cgns"))]
+fn open_cgns(path: &Path) -> Result<Raw, FileError> {
+    Err(CgnsError::NotBuilt { path: path.to_owned() }.into())
+}
+
+#[cfg(feature = "cgns")]
+fn save_cgns(path: &Path, grid: &MultiBlock) -> Result<(), FileError> {
+    Ok(cgns::write(path, grid)?)
+}
+
+#[cfg(not(feature = "cgns"))]
+fn save_cgns(path: &Path, _: &MultiBlock) -> Result<(), FileError> {
+    Err(CgnsError::NotBuilt { path: path.to_owned() }.into())
 }
 
 /// Grids one cell across: the crate's own have k across. Others (CFL3D has i) are renumbered, and sides that no condition
@@ -176,7 +221,7 @@ fn describe(layout: &Layout, blocks: usize) -> String {
     )
 }
 
-/// Saves a grid: `.vtm` for ParaView; else Plot3D in `layout` with a `.bc.toml` beside it, and a `.nmf` too. Notes say what
+/// Saves a grid: `.vtm` for ParaView; `.cgns` (with the feature `cgns`) with everything in one file; else Plot3D in `layout` with a `.bc.toml` beside it, and a `.nmf` too. Notes say what
 /// the formats cannot hold.
 /// # Errors
 /// If a file cannot be written.
@@ -187,6 +232,10 @@ pub fn save(path: &Path, grid: &MultiBlock, layout: Layout) -> Result<Vec<String
     };
     if path.extension().is_some_and(|e| e == "vtm") {
         vtk::write(path, grid, &[]).map_err(io(path))?;
+        return Ok(Vec::new());
+    }
+    if cgns::is_named_so(path) {
+        save_cgns(path, grid)?;
         return Ok(Vec::new());
     }
     plot3d::write(path, &grid.blocks, &[], layout)?;

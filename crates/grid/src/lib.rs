@@ -5,6 +5,7 @@
 
 pub mod block;
 pub mod boundary_file;
+pub mod cgns;
 pub mod coarsen;
 pub mod connect;
 pub mod face;

@@ -3,6 +3,7 @@
 use crate::exit::Stop;
 use dip_case::Document;
 use dip_case::file::MeshTable;
+use dip_grid::cgns::CgnsError;
 use dip_grid::file::{self, FileError};
 use dip_grid::recipe::RecipeError;
 use dip_grid::split;
@@ -136,7 +137,11 @@ pub fn explain(error: &FileError) -> Stop {
         FileError::Recipe(RecipeError::Coarsen { .. }) => {
             "every level needs an even number of cells in every direction"
         }
-        FileError::Plot3d(_) => "needed a recipe (.toml) or a Plot3D grid file",
+        FileError::Plot3d(_) => "needed a recipe (.toml), a Plot3D or a CGNS (.cgns) grid file",
+        FileError::Cgns(CgnsError::NotBuilt { .. }) => {
+            "`pmb mesh convert` of a program built with CGNS makes Plot3D of it"
+        }
+        FileError::Cgns(_) => "needed structured zones in HDF5, as `cgnscheck` accepts them",
         FileError::Boundary(_) | FileError::Nmf(_) => "see docs/grids.md for files of boundary conditions",
         FileError::Io { .. } => "check the path, the disk's space and the folder's rights",
     };

@@ -221,12 +221,7 @@ fn build(sizes: &[Size], layout: Layout, part: &mut dyn FnMut(usize, usize) -> V
 fn block(n: usize, size: Size, mut arrays: Vec<Vec<f64>>) -> Block {
     let name = (n + 1).to_string();
     if size[2] == 1 {
-        let count = nodes(size);
         let (x, z) = (arrays.swap_remove(0), arrays.swap_remove(arrays.len() - 1));
-        let twice = |v: Vec<f64>| v.repeat(2);
-        let y = std::iter::repeat_n(1.0, count)
-            .chain(std::iter::repeat_n(0.0, count))
-            .collect();
         // With three coordinates the plane may be x-y or x-z: the one that is not constant is up.
         let flat = |v: &[f64]| v.iter().all(|&a| a == v[0]);
         let up = if !arrays.is_empty() && flat(&z) && !flat(&arrays[0]) {
@@ -234,15 +229,7 @@ fn block(n: usize, size: Size, mut arrays: Vec<Vec<f64>>) -> Block {
         } else {
             z
         };
-        return Block {
-            name,
-            ni: size[0] - 1,
-            nj: size[1] - 1,
-            nk: 1,
-            x: twice(x),
-            y,
-            z: twice(up),
-        };
+        return Block::across(&name, [size[0] - 1, size[1] - 1], &x, &up);
     }
     let (z, y, x) = (arrays.pop(), arrays.pop(), arrays.pop());
     Block {

@@ -12,7 +12,7 @@ use std::path::PathBuf;
 /// Options of `pmb mesh check`.
 #[derive(Debug, clap::Args)]
 pub struct Args {
-    /// The grid: Plot3D of any layout, or a recipe (.toml)
+    /// The grid: Plot3D of any layout, CGNS (.cgns), or a recipe (.toml)
     file: PathBuf,
     /// Boundary conditions (.toml or .nmf; default: the .bc.toml or .nmf beside the grid)
     #[arg(long, value_name = "FILE")]

@@ -11,9 +11,9 @@ use std::path::PathBuf;
 /// Options of `pmb mesh convert`.
 #[derive(Debug, clap::Args)]
 pub struct Args {
-    /// The grid: Plot3D of any layout, or a recipe (.toml)
+    /// The grid: Plot3D of any layout, CGNS (.cgns), or a recipe (.toml)
     from: PathBuf,
-    /// The file to write: .vtm for ParaView, anything else is Plot3D with a .bc.toml and a .nmf beside it
+    /// The file to write: .vtm for ParaView, .cgns for CGNS, anything else is Plot3D with a .bc.toml and a .nmf beside it
     to: PathBuf,
     /// Boundary conditions of IN (.toml or .nmf; default: the .bc.toml or .nmf beside it)
     #[arg(long, value_name = "FILE")]

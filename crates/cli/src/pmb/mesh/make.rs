@@ -16,7 +16,7 @@ use std::path::PathBuf;
 /// Options of `pmb mesh RECIPE`.
 #[derive(Debug, clap::Args)]
 #[command(
-    mut_arg("out", |a| a.short('o').value_name("OUT").help("A grid file (.xyz, .vtm, ...), or a folder (default: runs/<recipe's folder>-<recipe>)")),
+    mut_arg("out", |a| a.short('o').value_name("OUT").help("A grid file (.xyz, .cgns, .vtm, ...), or a folder (default: runs/<recipe's folder>-<recipe>)")),
     mut_arg("set", |a| a.hide(true))
 )]
 pub struct Args {

@@ -8,10 +8,11 @@ mod target;
 
 use crate::exit::{Done, Stop};
 use crate::options::Common;
+use dip_grid::cgns::IS_BUILT;
 
 /// Make a grid from a recipe, check it and draw it.
 #[derive(Debug, clap::Args)]
-#[command(args_conflicts_with_subcommands = true, subcommand_negates_reqs = true, after_help = EXAMPLES)]
+#[command(args_conflicts_with_subcommands = true, subcommand_negates_reqs = true, after_help = help())]
 pub struct Args {
     #[command(subcommand)]
     action: Option<Action>,
@@ -27,11 +28,21 @@ const EXAMPLES: &str = "Examples:
 
 Exit code 3: the grid was made, and the check found something that a user must look at.";
 
+/// Examples, and which files this program was built for.
+fn help() -> String {
+    let cgns = if IS_BUILT {
+        "CGNS is built in."
+    } else {
+        "CGNS is not built in: `cargo build --release --features cgns`."
+    };
+    format!("{EXAMPLES}\n{cgns}")
+}
+
 #[derive(Debug, clap::Subcommand)]
 enum Action {
     /// Check a grid: volumes, closure, skewness, stretching, interfaces, faces without a condition
     Check(check::Args),
-    /// Write a grid as another kind of file: Plot3D of any layout, ParaView
+    /// Write a grid as another kind of file: Plot3D of any layout, CGNS, ParaView
     Convert(convert::Args),
 }
 

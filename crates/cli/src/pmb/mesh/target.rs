@@ -4,10 +4,11 @@ use crate::exit::Stop;
 use crate::options::Common;
 use crate::output::{RunFolder, SUMMARY};
 use crate::stamp::Stamp;
+use dip_grid::cgns;
 use std::path::{Path, PathBuf};
 
 /// Kinds of files that look like grid files but are none that can be written.
-const NO_GRIDS: [&str; 9] = ["toml", "nmf", "cgns", "vts", "vtu", "svg", "json", "csv", "su2"];
+const NO_GRIDS: [&str; 8] = ["toml", "nmf", "vts", "vtu", "svg", "json", "csv", "su2"];
 
 /// Where a grid and what belongs to it go.
 #[derive(Debug)]
@@ -99,7 +100,13 @@ pub fn check_new(file: &Path, force: bool) -> Result<(), Stop> {
     if NO_GRIDS.contains(&extension.as_str()) {
         return Err(Stop::input(
             format!("{}: grids cannot be written as .{extension}", file.display()),
-            "use .xyz, .p3d, .grd or .x for Plot3D, .vtm for ParaView",
+            "use .xyz, .p3d, .grd or .x for Plot3D, .cgns for CGNS, .vtm for ParaView",
+        ));
+    }
+    if cgns::is_named_so(file) && !cgns::IS_BUILT {
+        return Err(Stop::input(
+            format!("{}: this program was built without CGNS", file.display()),
+            "build it with `--features cgns`, or use .xyz for Plot3D",
         ));
     }
     if file.exists() && !force {
