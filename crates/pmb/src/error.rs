@@ -81,6 +81,12 @@ pub enum FlowError {
         /// What is wrong.
         what: String,
     },
+    /// Whoever listens to the run cannot go on.
+    #[error("{what}")]
+    Observer {
+        /// Why.
+        what: String,
+    },
     /// The system refused.
     #[error("{path}: {source}")]
     Io {

@@ -14,6 +14,7 @@ pub mod dual_time;
 pub mod error;
 pub mod field;
 pub mod flux;
+pub mod forced;
 pub mod gas;
 pub mod jacobian;
 pub mod level;

@@ -12,6 +12,7 @@
 
 use dip_grid::MultiBlock;
 use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
 
 use crate::error::FlowError;
 use crate::level::Level;
@@ -50,7 +51,7 @@ impl Nodes {
 }
 
 /// Coefficients of a backward difference in time of step `dt`: `(a[0] x|n+1 + a[1] x|n + a[2] x|n-1)/dt`.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Backward {
     /// Coefficients; their sum is zero.
     pub a: [f64; 3],

@@ -613,6 +613,22 @@ impl<'a> Run<'a> {
     }
 }
 
+/// Undisturbed stream on the finest level of a grid, with the wall faces: what an unsteady run that goes on from its own
+/// restart file needs of a steady one.
+///
+/// # Errors
+/// Settings, grid and boundary conditions.
+pub fn open(
+    settings: &SteadySettings,
+    grid: &MultiBlock,
+    limiter_constant: f64,
+) -> Result<(Solver, WallGeometry), FlowError> {
+    settings.check()?;
+    let sequence = Sequence::new(Level::new(grid)?, 1);
+    let (solver, _, walls, _) = open_level(settings, grid, &sequence, 0, limiter_constant)?;
+    Ok((solver, walls))
+}
+
 type Opened = (Solver, f64, WallGeometry, Option<FarFieldVortex>);
 
 /// Solver, residual norm of the undisturbed stream and wall faces of a level.
