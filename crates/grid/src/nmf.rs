@@ -2,7 +2,8 @@
 //!
 //! W. T. Jones, The Neutral Map File, NASA Langley GEOLAB (kept with the Turbulence Modeling Resource). Faces are
 //! numbered 1, 2 = k min, max; 3, 4 = i; 5, 6 = j; a face's first and second direction are (i, j), (j, k) and (k, i);
-//! nodes count from 1; a range that falls runs backwards.
+//! nodes count from 1; a range that falls runs backwards. Two-dimensional files (KDIM 1) of some programs (Construct2D)
+//! number their four sides 1, 2 = i min, max; 3, 4 = j, with the range along the side first.
 
 use std::fmt::Write;
 
@@ -47,7 +48,7 @@ pub fn condition(name: &str) -> Option<Condition> {
         Condition::Wall
     } else if starts(&["symmetry", "sym"]) {
         Condition::Symmetry
-    } else if starts(&["farfield", "far_field", "far-field", "freestream", "riemann"]) {
+    } else if starts(&["far", "freestream", "riemann"]) {
         Condition::FarField
     } else if starts(&["extrapolate", "outflow_supersonic", "outflow-supersonic"]) {
         Condition::OutflowSupersonic
@@ -90,6 +91,7 @@ pub fn parse(file: &str, text: &str, grid: &MultiBlock) -> Result<Topology, NmfE
             format!("{count} blocks; the grid has {}", grid.blocks.len()),
         ));
     }
+    let mut flat = true;
     for (n, block) in grid.blocks.iter().enumerate() {
         let (line, text) = lines
             .next()
@@ -98,6 +100,7 @@ pub fn parse(file: &str, text: &str, grid: &MultiBlock) -> Result<Topology, NmfE
         let [i, j, k] = block.nodes();
         // A 2-D file has one node across, our grid two.
         let fits = numbers.len() == 4 && numbers[1..3] == [i, j] && (numbers[3] == k || (numbers[3] == 1 && k == 2));
+        flat &= numbers.last() == Some(&1);
         if !fits {
             return Err(fail(
                 line,
@@ -105,6 +108,8 @@ pub fn parse(file: &str, text: &str, grid: &MultiBlock) -> Result<Topology, NmfE
             ));
         }
     }
+    let lines: Vec<(usize, &str)> = lines.collect();
+    let sides_of_a_plane = flat && lines.iter().any(|(_, text)| is_side_of_a_plane(text));
     let mut topology = Topology::default();
     for (line, text) in lines {
         let fail = |what: String| fail(line, what);
@@ -122,6 +127,14 @@ pub fn parse(file: &str, text: &str, grid: &MultiBlock) -> Result<Topology, NmfE
             let mut v = [0; 6];
             for (n, value) in v.iter_mut().enumerate() {
                 *value = number(from + n)?;
+            }
+            if sides_of_a_plane {
+                // To the faces of three dimensions: i sides have the ranges (j, k) there too, j sides (k, i).
+                v = match v {
+                    [b, f @ 1..=2, s1, e1, s2, e2] => [b, f + 2, s1, e1, s2, e2],
+                    [b, f @ 3..=4, s1, e1, s2, e2] => [b, f + 2, s2, e2, s1, e1],
+                    [_, f, ..] => return Err(fail(format!("side {f} does not exist in a plane: 1 to 4 are needed"))),
+                };
             }
             file_side(grid, v).map_err(fail)
         };
@@ -148,6 +161,9 @@ pub fn parse(file: &str, text: &str, grid: &MultiBlock) -> Result<Topology, NmfE
             topology.interfaces.push(interface);
             continue;
         }
+        if name.eq_ignore_ascii_case("unprocessed") {
+            continue;
+        }
         let condition = condition(&name).ok_or_else(|| {
             fail(format!("unknown type '{name}': known are one_to_one, wall, viscous..., tangency, symmetry..., farfield..., inflow, outflow, back_pressure, extrapolate, pole..."))
         })?;
@@ -161,6 +177,13 @@ pub fn parse(file: &str, text: &str, grid: &MultiBlock) -> Result<Topology, NmfE
         });
     }
     Ok(topology)
+}
+
+/// True for an entry on side 1 or 2 whose second range is 1 to 1: a side of a plane; a face k has two ranges.
+fn is_side_of_a_plane(text: &str) -> bool {
+    let Some((_, rest)) = entry(text) else { return false };
+    let words: Vec<&str> = rest.split_whitespace().take(6).collect();
+    matches!(words[..], [_, "1" | "2", _, _, "1", "1"])
 }
 
 /// Type name (quoted or not) and the rest of a line.

@@ -96,6 +96,16 @@ pub(super) fn records(bytes: &[u8], order: Order, marker: usize) -> Option<Vec<V
     (!open && !out.is_empty()).then_some(out)
 }
 
+/// Fortran leaves the letter of an exponent of three digits out: `1.5-103`.
+fn without_letter(word: &str) -> Option<f64> {
+    let at = word.rfind(['+', '-']).filter(|&at| at > 0)?;
+    let (mantissa, exponent) = word.split_at(at);
+    if !mantissa.ends_with(|c: char| c.is_ascii_digit() || c == '.') {
+        return None;
+    }
+    format!("{mantissa}E{exponent}").parse().ok()
+}
+
 /// Numbers of a text file: blanks, commas and line ends between; Fortran's `3*1.5` and `1.0D-3` understood.
 /// `None` if a word is no number, or if there are absurdly many.
 pub(super) fn text(bytes: &[u8]) -> Option<Vec<f64>> {
@@ -112,7 +122,8 @@ pub(super) fn text(bytes: &[u8]) -> Option<Vec<f64>> {
         let value = value
             .parse::<f64>()
             .ok()
-            .or_else(|| value.replace(['D', 'd'], "E").parse().ok())?;
+            .or_else(|| value.replace(['D', 'd'], "E").parse().ok())
+            .or_else(|| without_letter(value))?;
         // A repeat count may stand for more numbers than the file has bytes; a grid has no use for that many.
         if times > bytes.len().saturating_mul(64) {
             return None;

@@ -1,11 +1,12 @@
 //! Finds the layout of a grid file, and reads it.
 
 use super::bytes::{Order, records, text};
+use super::records::unformatted;
 use super::{Encoding, Grid, Layout};
 use crate::block::Block;
 
 /// Most blocks a file may claim to have.
-const MOST_BLOCKS: usize = 1 << 20;
+pub(super) const MOST_BLOCKS: usize = 1 << 20;
 
 /// Node counts of a block.
 pub(super) type Size = [usize; 3];
@@ -107,7 +108,7 @@ pub(super) fn sizes(integers: &[i64], three_d: bool) -> Option<Vec<Size>> {
 }
 
 /// Of blocks one node thick only those along k are understood as two-dimensional.
-fn thick_along_k(sizes: &[Size]) -> Result<(), String> {
+pub(super) fn thick_along_k(sizes: &[Size]) -> Result<(), String> {
     match sizes.iter().position(|s| s[2] > 1 && (s[0] == 1 || s[1] == 1)) {
         Some(n) => {
             let [i, j, k] = sizes[n];
@@ -200,7 +201,7 @@ fn ascii(numbers: &[f64]) -> Result<Grid, String> {
 }
 
 /// Builds blocks; `part(block, n)` gives the n-th array of a block (coordinates, then iblank).
-fn build(sizes: &[Size], layout: Layout, part: &mut dyn FnMut(usize, usize) -> Vec<f64>) -> Grid {
+pub(super) fn build(sizes: &[Size], layout: Layout, part: &mut dyn FnMut(usize, usize) -> Vec<f64>) -> Grid {
     let mut blocks = Vec::with_capacity(sizes.len());
     let mut iblank = Vec::with_capacity(sizes.len());
     for (n, &size) in sizes.iter().enumerate() {
@@ -244,89 +245,16 @@ fn block(n: usize, size: Size, mut arrays: Vec<Vec<f64>>) -> Block {
 }
 
 /// Bytes of a block for a layout; `None` if they cannot be counted.
-fn block_bytes(size: Size, three_d: bool, double: bool, iblank: bool) -> Option<usize> {
+pub(super) fn block_bytes(size: Size, three_d: bool, double: bool, iblank: bool) -> Option<usize> {
     let per_node = if three_d { 3 } else { 2 } * if double { 8 } else { 4 } + if iblank { 4 } else { 0 };
     nodes(size).checked_mul(per_node)
 }
 
-const VARIANTS: [(bool, bool); 4] = [(true, false), (false, false), (true, true), (false, true)];
-
-fn unformatted(all: &[Vec<&[u8]>], order: Order, marker: usize) -> Result<Grid, String> {
-    let (head, multi, used) = record_header(all, order)?;
-    let encoding = Encoding::Records {
-        big_endian: order.big_endian,
-        marker,
-    };
-    let found = |n: usize| all[used + n].iter().map(|p| p.len()).sum::<usize>();
-    let mut what = String::from("its first records are not the sizes of Plot3D blocks");
-    for three_d in [true, false] {
-        let Some(sizes) = sizes(&head, three_d) else { continue };
-        if multi.is_some_and(|n| n != sizes.len()) {
-            continue;
-        }
-        if all.len() - used != sizes.len() {
-            what = format!(
-                "the header says {} blocks, the file has {} records of coordinates",
-                sizes.len(),
-                all.len() - used
-            );
-            continue;
-        }
-        for (double, iblank) in VARIANTS {
-            let fits = |(n, &s): (usize, &Size)| block_bytes(s, three_d, double, iblank) == Some(found(n));
-            if sizes.iter().enumerate().all(fits) {
-                thick_along_k(&sizes)?;
-                let layout = Layout {
-                    encoding,
-                    double,
-                    multi: multi.is_some(),
-                    three_d,
-                    iblank,
-                };
-                let joined: Vec<Vec<u8>> = all[used..].iter().map(|pieces| pieces.concat()).collect();
-                return Ok(build(&sizes, layout, &mut |b, part| {
-                    array(&joined[b], nodes(sizes[b]), part, order, layout)
-                }));
-            }
-        }
-        let n = (0..sizes.len())
-            .find(|&n| {
-                VARIANTS
-                    .iter()
-                    .all(|&(d, i)| block_bytes(sizes[n], three_d, d, i) != Some(found(n)))
-            })
-            .unwrap_or(0);
-        what = format!(
-            "block {} should have {} x {} x {} nodes, but its record of {} bytes holds another number",
-            n + 1,
-            sizes[n][0],
-            sizes[n][1],
-            sizes[n][2],
-            found(n)
-        );
-    }
-    Err(what)
-}
-
-/// Sizes as integers, the number of blocks if the file says it, and how many records that took.
-pub(super) fn record_header(all: &[Vec<&[u8]>], order: Order) -> Result<(Vec<i64>, Option<usize>, usize), String> {
-    let integers = |n: usize| -> Option<Vec<i64>> {
-        let record = all.get(n)?.concat();
-        (record.len() <= 12 * MOST_BLOCKS && record.len().is_multiple_of(4))
-            .then(|| order.integers(&record).into_iter().map(i64::from).collect())
-    };
-    let first = integers(0).ok_or("its first record is not a header of integers")?;
-    if let [count] = first[..] {
-        let count = usize::try_from(count).ok().filter(|n| (1..=MOST_BLOCKS).contains(n));
-        let count = count.ok_or_else(|| format!("its first record says {} blocks", first[0]))?;
-        let sizes = integers(1).ok_or("its second record is not the sizes of blocks")?;
-        return Ok((sizes, Some(count), 2));
-    }
-    Ok((first, None, 1))
-}
+/// Precision and iblank: double or single without, then with.
+pub(super) const VARIANTS: [(bool, bool); 4] = [(true, false), (false, false), (true, true), (false, true)];
 
 /// The n-th array of a block's bytes.
-fn array(bytes: &[u8], count: usize, part: usize, order: Order, layout: Layout) -> Vec<f64> {
+pub(super) fn array(bytes: &[u8], count: usize, part: usize, order: Order, layout: Layout) -> Vec<f64> {
     let d = if layout.three_d { 3 } else { 2 };
     let size = if layout.double { 8 } else { 4 };
     if part < d {

@@ -3,7 +3,8 @@
 use std::path::Path;
 
 use super::bytes::{Order, records, text};
-use super::detect::{Size, headers, nodes, record_header, sizes, stream_header};
+use super::detect::{Size, headers, nodes, sizes, stream_header};
+use super::records::record_header;
 use super::write::{Writer, header};
 use super::{Encoding, Layout, Plot3dError};
 
