@@ -142,6 +142,15 @@ fn read_snapshot(settings: &SteadySettings, sequence: &Sequence) -> Result<Optio
     }
 }
 
+/// CFL number whose time term the preconditioner keeps while that of the step grows beyond it.
+///
+/// Without a time term a diagonal block is nearly singular where a wave stands still (the shear and entropy waves in the
+/// cells at a wall and a stagnation point), and BILU(0), which drops the fill that would balance it, amplifies
+/// errors there from cell to cell. GCG must then take them out again: on the AGARD wing at Mach 0.678 the run needs 721
+/// products with the time term of the step itself, 390 to 414 with that of CFL 50 to 500. At 500 the wing at Mach
+/// 0.96 without incidence is still held up (1,187 products, 374 with 200).
+const PRECONDITIONER_CFL: f64 = 200.0;
+
 /// A CFL number that nothing reaches.
 const NO_CEILING: f64 = 1e30;
 
@@ -419,8 +428,10 @@ impl<'a> Run<'a> {
 
     fn try_step(&mut self, cfl: f64) -> Result<(GcgOutcome, f64), FlowError> {
         let s = &self.settings.solver;
-        self.solver.set_time_step(cfl);
+        // The operator has the time term of the step; the preconditioner keeps that of a moderate CFL number.
+        self.solver.set_time_step(cfl.min(PRECONDITIONER_CFL));
         self.solver.build()?;
+        self.solver.set_time_step(cfl);
         // Tighter as Newton's method takes hold.
         let tolerance = if cfl < 1e3 {
             0.1
