@@ -57,8 +57,8 @@ impl AerofoilGrid {
     /// A size that is too small, a growth over the limit, a section that cannot be mapped.
     pub fn make(&self) -> Result<MultiBlock, GenerateError> {
         self.check()?;
-        let gap = self.section.gap();
-        let blunt = gap > 1e-9;
+        let open = self.section.edge();
+        let blunt = open[1] > 1e-9;
         let section = self.section.clone().with_trailing_edge(TrailingEdge::Closed)?;
         let side = chord::side(&section, self.surface, self.nose_spacing, self.tail_spacing);
         let t = chord::around(&side);
@@ -115,7 +115,9 @@ impl AerofoilGrid {
                     let n = i + (ni + 1) * j;
                     let wall = closed[i];
                     let d = (nodes[n][0] - wall[0]).hypot(nodes[n][1] - wall[1]);
-                    nodes[n][1] += 0.5 * gap * share.signum() * (share * share).powf(1.0 + 3.0 * d);
+                    let part = 0.5 * share.signum() * (share * share).powf(1.0 + 3.0 * d);
+                    nodes[n][0] += open[0] * part;
+                    nodes[n][1] += open[1] * part;
                 }
             }
         }

@@ -48,8 +48,8 @@ pub enum TrailingEdge {
 pub struct Section {
     name: String,
     shape: Shape,
-    /// Added to z of the upper (+) and lower (-) surface: `gap_taper * x`, used to close a trailing edge.
-    gap_taper: f64,
+    /// Added to x and z of the upper (+) and lower (-) surface: `gap_taper * x`, used to close a trailing edge.
+    gap_taper: [f64; 2],
     /// Chord of `shape` that is the unit chord (above one where a formula is prolonged).
     stretch: f64,
 }
@@ -72,7 +72,7 @@ impl Section {
         Ok(Self {
             name: format!("NACA {digits}"),
             shape: Shape::Naca4(formula),
-            gap_taper: 0.0,
+            gap_taper: [0.0; 2],
             stretch: 1.0,
         })
     }
@@ -162,7 +162,7 @@ impl Section {
         Ok(Self {
             name: name.to_owned(),
             shape: Shape::Spline(spline),
-            gap_taper: 0.0,
+            gap_taper: [0.0; 2],
             stretch: 1.0,
         })
     }
@@ -182,13 +182,31 @@ impl Section {
             Shape::Naca4(formula) => formula.point(t * root),
         };
         let (x, z) = (x / self.stretch, z / self.stretch);
-        [x, z + self.gap_taper * x * t.signum()]
+        let share = x * t.signum();
+        [x + self.gap_taper[0] * share, z + self.gap_taper[1] * share]
     }
 
     /// Thickness of the trailing edge in chords.
     #[must_use]
     pub fn gap(&self) -> f64 {
         self.point(1.0)[1] - self.point(-1.0)[1]
+    }
+
+    /// From the lower end of the trailing edge to the upper, `[x, z]` in chords. A thickness laid off normal to a mean
+    /// line that falls ends further aft above than below.
+    #[must_use]
+    pub fn edge(&self) -> [f64; 2] {
+        let (upper, lower) = (self.point(1.0), self.point(-1.0));
+        [upper[0] - lower[0], upper[1] - lower[1]]
+    }
+
+    /// Takes what is open at the trailing edge from both surfaces, each in proportion to x.
+    fn close(&mut self) {
+        let sum = self.point(1.0)[0] + self.point(-1.0)[0];
+        let open = self.edge();
+        for d in 0..2 {
+            self.gap_taper[d] -= open[d] / sum;
+        }
     }
 
     /// Mean line and half thickness `[z_mean, z_half]` at |t|.
@@ -232,7 +250,7 @@ impl Section {
     pub fn with_trailing_edge(mut self, treatment: TrailingEdge) -> Result<Self, GeometryError> {
         match treatment {
             TrailingEdge::Blunt => {}
-            TrailingEdge::Closed => self.gap_taper -= 0.5 * self.gap(),
+            TrailingEdge::Closed => self.close(),
             TrailingEdge::Sharp => {
                 let gap = |stretch: f64| {
                     let mut other = self.clone();
@@ -254,7 +272,7 @@ impl Section {
                     self.stretch = 0.5 * (lo + hi);
                 }
                 // What is left after bisection is round-off; take it away so that the edge is one point.
-                self.gap_taper -= 0.5 * self.gap();
+                self.close();
             }
         }
         Ok(self)
@@ -389,6 +407,17 @@ mod tests {
                 assert!(error < 5e-6, "{t} {error:e}");
             }
             assert!((section.nose_radius() - exact.nose_radius()).abs() < 2e-4);
+        }
+    }
+
+    /// Thickness laid off normal to a mean line that falls: the upper end lies further aft.
+    #[test]
+    fn closing_a_cambered_section_makes_its_edge_one_point() {
+        for treatment in [TrailingEdge::Closed, TrailingEdge::Sharp] {
+            let blunt = Section::naca4("4412").unwrap();
+            assert!(blunt.edge()[0] > 1e-4, "{:?}", blunt.edge());
+            let closed = blunt.with_trailing_edge(treatment).unwrap();
+            assert!(closed.edge().iter().all(|v| v.abs() < 1e-15), "{:?}", closed.edge());
         }
     }
 
