@@ -164,7 +164,13 @@ fn agard(folder: &Path) -> Outcome<String> {
         chord: root_chord,
         moment_point: [0.25 * root_chord, 0.0, 0.0],
     };
-    let grids = ["agard445_ch_euler", "agard445_oo_coarse"];
+    // Coarse grids at both angles; the medium ones, four to eight times as large, at 1 degree.
+    let grids = [
+        ("meshes/agard445_ch_euler.toml", "C-H coarse", &[0.0, 1.0][..]),
+        ("meshes/agard445_oo_coarse.toml", "O-O coarse", &[0.0, 1.0]),
+        ("tests/data/flow/agard445_ch_euler_medium.toml", "C-H medium", &[1.0]),
+        ("meshes/agard445_oo_medium.toml", "O-O medium", &[1.0]),
+    ];
     for mach in [0.678, 0.901, 0.96, 1.072] {
         let mut cuts: Vec<CpCut> = [0.26, 0.52, 0.76, 0.96]
             .iter()
@@ -173,9 +179,9 @@ fn agard(folder: &Path) -> Outcome<String> {
                 ..CpCut::default()
             })
             .collect();
-        for name in grids {
-            let grid = recipe::make(&root().join("meshes").join(format!("{name}.toml")))?;
-            for alpha in [0.0, 1.0] {
+        for (path, name, angles) in grids {
+            let grid = recipe::make(&root().join(path))?;
+            for &alpha in angles {
                 let result = steady(&mut text, name, &settings(mach, alpha, reference), &grid)?;
                 if alpha == 1.0 {
                     for (cut, eta) in cuts.iter_mut().zip([0.26, 0.52, 0.76, 0.96]) {
@@ -183,7 +189,7 @@ fn agard(folder: &Path) -> Outcome<String> {
                         cut.computed
                             .push((name.to_owned(), curve(&result, eta * span, leading(eta), chord)));
                     }
-                    if name == grids[0] {
+                    if name == grids[0].1 {
                         let file = format!("agard445_m{:.0}_history.svg", 1000.0 * mach);
                         write_history(folder, &file, &format!("AGARD 445.6, Mach {mach}, 1 degree"), &result)?;
                     }

@@ -10,6 +10,7 @@
 
 pub mod boundary;
 pub mod check;
+pub mod couple;
 pub mod dual_time;
 pub mod error;
 pub mod field;

@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::boundary::{Boundary, Sides};
 use crate::level::{Level, LevelPatch};
+use crate::moving::Nodes;
 use crate::settings::{FlowSettings, Reference};
 
 /// Force and moment coefficients.
@@ -73,29 +74,19 @@ impl WallGeometry {
         Self { patches }
     }
 
+    /// Mean over the four corners of every wall face of a quantity given at the nodes of the finest level's grid, `[patch][face]`.
+    #[must_use]
+    pub fn at_faces(&self, level: &Level, nodes: &Nodes) -> Vec<Vec<[f64; 3]>> {
+        self.patches
+            .iter()
+            .map(|(n, _)| corner_means(level, &level.patches[*n], nodes))
+            .collect()
+    }
+
     /// Follows the walls of a moving grid; for the finest level only.
-    pub fn follow(&mut self, level: &Level, nodes: &crate::moving::Nodes) {
+    pub fn follow(&mut self, level: &Level, nodes: &Nodes) {
         for (n, centres) in &mut self.patches {
-            let patch = &level.patches[*n];
-            let cells = level.blocks[patch.block].layout.cells;
-            let count = cells.map(|c| c + 1);
-            let [x, y, z] = &nodes.blocks[patch.block];
-            let mut to = centres.iter_mut();
-            for q in patch.window.lo[1]..patch.window.hi[1] {
-                for p in patch.window.lo[0]..patch.window.hi[0] {
-                    let mut centre = [0.0; 3];
-                    for (a, b) in [(0, 0), (1, 0), (0, 1), (1, 1)] {
-                        let [i, j, k] = patch.face.ijk(count, p + a, q + b, 0);
-                        let node = i + count[0] * (j + count[1] * k);
-                        for (c, x) in centre.iter_mut().zip([x, y, z]) {
-                            *c += 0.25 * x[node];
-                        }
-                    }
-                    if let Some(to) = to.next() {
-                        *to = centre;
-                    }
-                }
-            }
+            *centres = corner_means(level, &level.patches[*n], nodes);
         }
     }
 
@@ -138,6 +129,27 @@ impl WallGeometry {
             })
             .collect()
     }
+}
+
+/// Means over the four corners of the faces of a patch of the finest level, first direction fastest.
+fn corner_means(level: &Level, patch: &LevelPatch, nodes: &Nodes) -> Vec<[f64; 3]> {
+    let count = level.blocks[patch.block].layout.cells.map(|c| c + 1);
+    let [x, y, z] = &nodes.blocks[patch.block];
+    let mut means = Vec::with_capacity(patch.window.count());
+    for q in patch.window.lo[1]..patch.window.hi[1] {
+        for p in patch.window.lo[0]..patch.window.hi[0] {
+            let mut mean = [0.0; 3];
+            for (a, b) in [(0, 0), (1, 0), (0, 1), (1, 1)] {
+                let [i, j, k] = patch.face.ijk(count, p + a, q + b, 0);
+                let node = i + count[0] * (j + count[1] * k);
+                for (m, x) in mean.iter_mut().zip([x, y, z]) {
+                    *m += 0.25 * x[node];
+                }
+            }
+            means.push(mean);
+        }
+    }
+    means
 }
 
 /// Centres of the faces of a patch (mean of their four corners), first direction fastest. On a coarser level the nodes
