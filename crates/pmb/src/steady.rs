@@ -101,6 +101,32 @@ pub fn run(
     run.finish(stop)
 }
 
+/// The discrete equations that a run starts from, or goes on from where the settings say so, and their level (0 is the
+/// finest): for the checks of [`crate::check`].
+///
+/// # Errors
+/// Settings, grid, boundary conditions, and a restart file that does not fit them.
+pub fn equations(settings: &SteadySettings, grid: &MultiBlock) -> Result<(Equations, usize), FlowError> {
+    settings.check()?;
+    let finest = Level::new(grid)?;
+    settings.boundaries(&finest)?;
+    let sequence = Sequence::new(finest, settings.solver.levels);
+    let resumed = if settings.resume {
+        read_snapshot(settings, &sequence)?
+    } else {
+        None
+    };
+    let level = resumed.as_ref().map_or(0, |s| s.level);
+    let constant = resumed
+        .as_ref()
+        .map_or(settings.limiter_constant, |s| s.limiter_constant);
+    let (mut solver, ..) = open_level(settings, grid, &sequence, level, constant)?;
+    if let Some(s) = resumed {
+        solver.set(&s.unknowns);
+    }
+    Ok((solver.equations, level))
+}
+
 fn read_snapshot(settings: &SteadySettings, sequence: &Sequence) -> Result<Option<Snapshot>, FlowError> {
     let Some(path) = &settings.restart else { return Ok(None) };
     if !path.exists() {
