@@ -86,7 +86,7 @@ fn check(grid: &dip_grid::MultiBlock) -> Result<(), TestCaseError> {
 
 proptest! {
     #![proptest_config(ProptestConfig {
-        cases: std::env::var("DIP_WING_CASES").ok().and_then(|n| n.parse().ok()).unwrap_or(30),
+        cases: std::env::var("DIP_WING_CASES").ok().and_then(|n| n.parse().ok()).unwrap_or(20),
         failure_persistence: None,
         ..ProptestConfig::default()
     })]
@@ -127,10 +127,13 @@ proptest! {
     }
 
     #[test]
-    fn oo_grids_of_symmetric_wings_have_positive_volumes(
-        panels in proptest::collection::vec(panel(true), 1..3),
+    fn oo_grids_of_any_wing_have_positive_volumes(
+        flat in any::<bool>(),
+        general in proptest::collection::vec(panel(false), 1..3),
+        symmetric in proptest::collection::vec(panel(true), 1..3),
         tip in tip(),
     ) {
+        let panels = if flat { symmetric } else { general };
         let wing = wing(&panels, tip);
         let (span, tip_length) = (wing.tip_y(), wing.tip_length);
         let grid = WingOo {

@@ -15,11 +15,10 @@ use super::spacing::two_sided;
 use super::{GenerateError, check_count, check_positive, check_step};
 use crate::block::Block;
 use crate::face::{Face, Window};
-use crate::geometry::Wing;
+use crate::geometry::{Station, Wing};
 use crate::topology::{Condition, Interface, MultiBlock, Orientation, Patch, Side, Topology};
 
-/// An O-O grid in one block, for wings of symmetric sections without twist or dihedral. Lengths are in the unit of the
-/// wing but where chords are named.
+/// An O-O grid in one block. Lengths are in the unit of the wing but where chords are named.
 #[derive(Clone, Debug, PartialEq)]
 pub struct WingOo {
     /// The wing.
@@ -53,7 +52,7 @@ impl WingOo {
     /// tip. Patches: `wing`, `symmetry`, `far`. The cut behind the trailing edge and the sheet outboard of the tip are
     /// interfaces of the block with itself.
     /// # Errors
-    /// A size that is too small, a growth over the limit, a wing that is not symmetric.
+    /// A size that is too small, a growth over the limit, a wing or section that is wrong.
     pub fn make(&self) -> Result<MultiBlock, GenerateError> {
         self.check()?;
         let wing = &self.wing;
@@ -75,11 +74,13 @@ impl WingOo {
         let (surface, span) = (kept(self.surface), kept(self.span));
         let ni = 2 * surface;
         let cells = [ni, kept(self.normal), span];
-        // Upper half only: the lower is its mirror image.
-        let lines: Vec<(Vec<[f64; 3]>, f64)> = (0..(surface + 1) * (span + 1))
+        // Of a wing that is its own mirror image the upper half is enough.
+        let mirrored = self.is_mirrored();
+        let across = if mirrored { surface } else { ni };
+        let lines: Vec<(Vec<[f64; 3]>, f64)> = (0..(across + 1) * (span + 1))
             .into_par_iter()
             .map(|n| {
-                let (i, k) = (n % (surface + 1) * self.stride, n / (surface + 1) * self.stride);
+                let (i, k) = (n % (across + 1) * self.stride, n / (across + 1) * self.stride);
                 self.line(&maps, i, t[i], if k == self.span { tip } else { y[k] })
             })
             .collect();
@@ -94,15 +95,19 @@ impl WingOo {
         }
         let block = Block::from_fn("wing", cells, |i, j, k| {
             let above = i.min(ni - i);
-            let mut p = lines[above + (surface + 1) * k].0[j];
-            if above == 0 || above == surface || k == span {
-                p[2] = 0.0;
-            }
+            // The cut behind the trailing edge and the sheet outboard of the tip are one surface: to the last bit.
+            let from = if mirrored || i == ni || k == span { above } else { i };
+            let mut p = lines[from + (across + 1) * k].0[j];
             if k == 0 {
                 p[1] = root;
             }
-            if i > surface {
-                p[2] = -p[2];
+            if mirrored {
+                if above == 0 || above == surface || k == span {
+                    p[2] = 0.0;
+                }
+                if i > surface {
+                    p[2] = -p[2];
+                }
             }
             // No negative zero: the two sides of a cut are compared bit by bit.
             p.map(|v| v + 0.0)
@@ -115,18 +120,6 @@ impl WingOo {
 
     fn check(&self) -> Result<(), GenerateError> {
         self.wing.check()?;
-        let plane = |s: &crate::geometry::Station| s.twist_deg == 0.0 && s.z_le == 0.0 && s.section.is_symmetric();
-        if let Some(n) = self.wing.stations.iter().position(|s| !plane(s)) {
-            return Err(GenerateError::setting(
-                "kind",
-                "\"ch\" for wings with camber, twist or dihedral (\"oo\" takes symmetric sections in the plane z = 0)",
-                format!(
-                    "\"oo\" with station {} ({})",
-                    n + 1,
-                    self.wing.stations[n].section.name()
-                ),
-            ));
-        }
         check_positive("wall_spacing", self.wall_spacing)?;
         check_step("nose_spacing", self.nose_spacing, 1.0)?;
         check_step("tail_spacing", self.tail_spacing, 1.0)?;
@@ -150,13 +143,19 @@ impl WingOo {
         Ok(())
     }
 
-    /// Leading edge and chord at y; beyond the tip the sheet opens like a fan, so that it does not stay a thin strip far
+    /// True for symmetric sections without twist in the plane z = 0.
+    fn is_mirrored(&self) -> bool {
+        let flat = |s: &Station| s.twist_deg == 0.0 && s.z_le == 0.0 && s.section.is_symmetric();
+        self.wing.stations.iter().all(flat)
+    }
+
+    /// Leading edge (x, z) and chord at y; beyond the tip the sheet opens like a fan, so that it does not stay a thin strip far
     /// out.
-    fn planform(&self, y: f64) -> [f64; 2] {
-        let [x_le, _, chord] = self.wing.planform(y);
+    fn planform(&self, y: f64) -> [f64; 3] {
+        let [x_le, z_le, chord] = self.wing.planform(y);
         let beyond = (y - self.wing.tip_y()).max(0.0);
         let fan = (beyond * beyond + chord * chord).sqrt() - chord;
-        [x_le - 0.5 * fan, chord + fan]
+        [x_le - 0.5 * fan, z_le, chord + fan]
     }
 
     /// The line from the wall point at section parameter `t` and span `y0`, and its growth ratio.
@@ -173,7 +172,7 @@ impl WingOo {
             } else {
                 (root + semispan * m.cosh() * p.cos(), semispan * m.sinh() * p.sin())
             };
-            let [x_le, chord] = self.planform(y);
+            let [x_le, z_le, chord] = self.planform(y);
             let b = (2.0 * height / chord).asinh();
             let share = tip_share(wing, y, height);
             let mixture = maps.at(wing, y);
@@ -198,7 +197,7 @@ impl WingOo {
             } else {
                 q
             };
-            [x_le + chord * q[0], y, chord * q[1]]
+            [x_le + chord * q[0], y, z_le + chord * q[1]]
         };
         let exact = wing.point(y0, t);
         let foot = mapped(0.0);
