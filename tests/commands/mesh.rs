@@ -112,8 +112,11 @@ fn cgns_is_read_and_written_or_says_how_to_get_it() {
     let case = recipe();
     case.run("pmb", &["mesh", "grid.toml", "-o", "a.xyz"]).exits(0);
     if !case.run("pmb", &["mesh", "--help"]).stdout.contains("CGNS is built in") {
-        for args in [&["mesh", "grid.toml", "-o", "wing.cgns"][..], &["mesh", "check", "wing.cgns"]] {
-            case.run("pmb", args).exits(2).says(&["--features cgns"]);
+        for args in [
+            &["mesh", "grid.toml", "-o", "wing.cgns"][..],
+            &["mesh", "check", "wing.cgns"],
+        ] {
+            case.run("pmb", args).exits(2).says(&["--features dip-grid/cgns"]);
         }
         return;
     }
