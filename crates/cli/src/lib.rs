@@ -3,6 +3,7 @@
 //! One file for each command; `options` has what they share, `output` where results go, `exit` how they end.
 
 mod assemble;
+mod correction;
 pub mod dip;
 pub mod dlm;
 mod exit;

@@ -235,6 +235,14 @@ impl References {
     }
 }
 
+/// One recorded motion with what its pressures have beyond the linear lattice.
+struct Moved<'a> {
+    coordinate: usize,
+    series: Series<'a>,
+    /// P_r - AIC w_r `[record][box]`.
+    away: Vec<Vec<c64>>,
+}
+
 /// Everything a method needs at any k.
 struct Weights<'a> {
     aerodynamics: &'a Aerodynamics,
@@ -248,8 +256,8 @@ struct Weights<'a> {
     steady_pressure: Diagonal,
     steady_weight: Diagonal,
     steady_force: Diagonal,
-    /// Every recorded motion with its deviations P_r - AIC w_r `[record][box]`.
-    all: Vec<(usize, Series<'a>, Vec<Vec<c64>>)>,
+    /// Every recorded motion.
+    all: Vec<Moved<'a>>,
 }
 
 /// Corrects the lattice at one Mach number. `modes` are the structure's modes on the boxes, `k` the reduced frequencies asked.
@@ -364,9 +372,9 @@ fn check_settings(settings: Settings) -> Result<(), CorrectError> {
 }
 
 /// Those asked, those recorded, and five in each blending, rising without repeats.
-fn reduced_frequencies(asked: &[f64], schedule: &Schedule, all: &[(usize, Series<'_>, Vec<Vec<c64>>)]) -> Vec<f64> {
+fn reduced_frequencies(asked: &[f64], schedule: &Schedule, all: &[Moved<'_>]) -> Vec<f64> {
     let mut k: Vec<f64> = asked.to_vec();
-    for schedule in std::iter::once(schedule).chain(all.iter().map(|(_, s, _)| &s.schedule)) {
+    for schedule in std::iter::once(schedule).chain(all.iter().map(|m| &m.series.schedule)) {
         k.extend_from_slice(schedule.recorded());
         let last = schedule.recorded().last().copied().unwrap_or(0.0);
         k.extend((1..=5).map(|i| last + (schedule.end() - last) * f64::from(i) / 5.0));
@@ -424,7 +432,7 @@ fn deviations<'a>(
     mach: f64,
     references: &'a References,
     blend: f64,
-) -> Result<Vec<(usize, Series<'a>, Vec<Vec<c64>>)>, CorrectError> {
+) -> Result<Vec<Moved<'a>>, CorrectError> {
     let mut all = Vec::new();
     for coordinate in 0..references.motion.n_modes {
         let Some(series) = references.series(coordinate, blend) else {
@@ -440,7 +448,11 @@ fn deviations<'a>(
                 .collect()
         });
         let away = away.collect();
-        all.push((coordinate, series, away));
+        all.push(Moved {
+            coordinate,
+            series,
+            away,
+        });
     }
     Ok(all)
 }
@@ -472,10 +484,10 @@ impl Weights<'_> {
         Ok(())
     }
 
-    fn series_of_mode(&self, mode: usize) -> Option<&(usize, Series<'_>, Vec<Vec<c64>>)> {
+    fn series_of_mode(&self, mode: usize) -> Option<&Moved<'_>> {
         self.all
             .iter()
-            .find(|(coordinate, ..)| self.references.mode_of.get(*coordinate).copied().flatten() == Some(mode))
+            .find(|m| self.references.mode_of.get(m.coordinate).copied().flatten() == Some(mode))
     }
 
     fn place(&self, method: Method, k: f64) -> Place {
@@ -489,7 +501,7 @@ impl Weights<'_> {
                     Place::Blended => 2,
                     Place::Linear => 3,
                 };
-                let places = self.all.iter().map(|(_, s, _)| s.schedule.place(k));
+                let places = self.all.iter().map(|m| m.series.schedule.place(k));
                 places.max_by_key(|p| rank(*p)).unwrap_or(Place::Linear)
             }
             _ => self.main.schedule.place(k),
@@ -595,17 +607,18 @@ impl Weights<'_> {
     /// AIC w + (P_r - AIC W_r) W_r^+ w over all recorded motions. A column that is a recorded motion is taken as that motion.
     fn by_modes(&self, k: f64, wash: &ComplexMatrix, linear: &ComplexMatrix, n_modes: usize) -> ComplexMatrix {
         let n = wash.rows();
-        let columns: Vec<&[c64]> = self.all.iter().map(|(c, ..)| wash.column(n_modes + c)).collect();
+        let columns: Vec<&[c64]> = self.all.iter().map(|m| wash.column(n_modes + m.coordinate)).collect();
         let zero = c64::new(0.0, 0.0);
         let away: Vec<Vec<c64>> = self
             .all
             .iter()
-            .map(|(_, series, away)| (0..n).map(|i| series.schedule.mix(k, zero, |r| away[r][i])).collect())
+            .map(|m| (0..n).map(|i| m.series.schedule.mix(k, zero, |r| m.away[r][i])).collect())
             .collect();
         let mut result = linear.clone();
         for j in 0..wash.columns() {
-            let own = self.all.iter().position(|(c, ..)| {
-                j == n_modes + c || (j < n_modes && self.references.mode_of.get(*c).copied().flatten() == Some(j))
+            let own = self.all.iter().position(|m| {
+                let c = m.coordinate;
+                j == n_modes + c || (j < n_modes && self.references.mode_of.get(c).copied().flatten() == Some(j))
             });
             let parts = match own {
                 Some(own) => (0..columns.len())
@@ -649,7 +662,7 @@ impl Weights<'_> {
             return None;
         }
         let difference: Vec<c64> = pressures.iter().zip(&recorded.recorded).map(|(a, b)| a - b).collect();
-        let norm = |list: &[c64]| list.iter().map(|z| z.norm_sqr()).sum::<f64>().sqrt();
+        let norm = |list: &[c64]| list.iter().map(c64::norm_sqr).sum::<f64>().sqrt();
         let loads = |list: &[c64]| {
             let loads = crate::sample::strip_loads_of_boxes(self.aerodynamics.lattice(), list);
             norm(&loads.lift_m2) + norm(&loads.moment_m3) / self.aerodynamics.semichord()
@@ -673,7 +686,7 @@ impl Weights<'_> {
         corrected: &mut Corrected,
     ) -> Result<(), CorrectError> {
         for mode in 0..modes.n_modes {
-            let Some((_, series, _)) = self.series_of_mode(mode) else {
+            let Some(Moved { series, .. }) = self.series_of_mode(mode) else {
                 continue;
             };
             let pressures = series

@@ -9,7 +9,7 @@ use dip_dlm::c64;
 use dip_dlm::lattice::PlaneSymmetry;
 use dip_dlm::motion::BoxMotion;
 use dip_record::{
-    Convergence, CoordinateKind, Harmonic, Law, Loads, MotionCoordinate, MotionValue, Provenance, Recording,
+    Convergence, CoordinateKind, Harmonic, Law, Loads, MotionCoordinate, Provenance, Recording,
     References, Setup, Step, StructuralMode, SurfaceGrid, SurfacePatch,
 };
 
@@ -190,7 +190,7 @@ impl Synthetic<'_> {
                 Step {
                     number,
                     time_s,
-                    motion: vec![law.at(time_s).unwrap_or(MotionValue::default())],
+                    motion: vec![law.at(time_s).unwrap_or_default()],
                     pressures,
                     loads: Loads::default(),
                     modal: None,

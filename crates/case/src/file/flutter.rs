@@ -1,5 +1,6 @@
 //! `flutter.toml`: modes, lattice, splines and the flutter solution.
 
+use super::correct::{CorrectTable, RecordingsTable};
 use crate::units::{Density, Frequency, Length, Mass, Speed, Volume};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -22,6 +23,10 @@ pub struct FlutterFile {
     pub spline: SplineTable,
     /// The flutter solution.
     pub flutter: Option<FlutterTable>,
+    /// Recordings for `dlm correct`.
+    pub recordings: Option<RecordingsTable>,
+    /// The correction by them, for `dlm correct`.
+    pub correct: Option<CorrectTable>,
 }
 
 /// Reference quantities; one set serves all curves that are compared.

@@ -1,5 +1,6 @@
 //! One type for each kind of case file. Every key has a doc comment; the JSON Schemas are made from these types.
 
+mod correct;
 mod flutter;
 mod mesh;
 mod steady;
@@ -7,6 +8,7 @@ mod structure;
 mod study;
 mod wing;
 
+pub use correct::{CorrectMethod, CorrectTable, RecordingsTable, Sampling};
 pub use flutter::{
     Approximation, ControlSurfaceTable, FlutterFile, FlutterTable, KernelKind, LatticeTable, Method, ModesTable,
     Points, ReferenceTable, Search, SplineKind, SplineTable, SurfaceTable, Symmetry,

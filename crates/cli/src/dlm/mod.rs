@@ -1,6 +1,7 @@
 //! The `dlm` program: the frequency domain.
 
 mod aic;
+mod correct;
 mod deck;
 
 mod figures;
@@ -24,6 +25,7 @@ const EXAMPLES: &str = "Examples:
   dlm modes cases/agard445/structure.toml
   dlm flutter cases/agard445/flutter.toml --set lattice.chordwise=10
   dlm flutter wing.bdf
+  dlm correct cases/agard445/flutter.toml --from pitch.mcap
   dlm aic cases/agard445/flutter.toml --json
 
 Exit codes: 0 done; 1 failed; 2 bad arguments or input; 3 done, with a warning to look at; 130 interrupted.";
@@ -36,6 +38,8 @@ enum Command {
     Aic(aic::Args),
     /// Flutter by K, KE, PK and g; a case file or a Nastran SOL 145 deck
     Flutter(flutter::Args),
+    /// The lattice corrected by recorded pressures, its flutter, and the audit of the hand-over
+    Correct(correct::Args),
     /// Print the completions of a shell
     #[command(hide = true)]
     Completions {
@@ -54,6 +58,7 @@ fn run(command: Command) -> Result<Done, Stop> {
         Command::Modes(args) => modes::run(&args),
         Command::Aic(args) => aic::run(&args),
         Command::Flutter(args) => flutter::run(&args),
+        Command::Correct(args) => correct::run(&args),
         Command::Completions { shell } => {
             options::completions(&mut Cli::command(), shell);
             Ok(Done::Clean)

@@ -286,7 +286,7 @@ impl FlutterCase {
     }
 
     /// The rule for slopes and displacements of boxes.
-    fn point_rule(&self) -> PointRule {
+    pub(crate) fn point_rule(&self) -> PointRule {
         match self.file.spline.points {
             Points::Own => PointRule::ControlPoint,
             Points::Nastran => PointRule::MidChord,
@@ -317,7 +317,7 @@ impl FlutterCase {
         Ok((motion, generalized))
     }
 
-    fn structure(&self, table: &FlutterTable, generalized: &Generalized) -> Result<fl::Structure, Stop> {
+    pub(crate) fn structure(&self, table: &FlutterTable, generalized: &Generalized) -> Result<fl::Structure, Stop> {
         let n = generalized.mass.len();
         let diagonal = |f: &dyn Fn(usize) -> f64| Mat::from_fn(n, n, |i, j| if i == j { f(i) } else { 0.0 });
         let mass = diagonal(&|i| generalized.mass[i]);
@@ -343,7 +343,7 @@ impl FlutterCase {
             })
     }
 
-    fn flutter(
+    pub(crate) fn flutter(
         &self,
         table: &FlutterTable,
         method: Method,
@@ -399,7 +399,7 @@ impl FlutterCase {
         })
     }
 
-    fn row(&self, table: &FlutterTable, method: Method, i: usize, solution: &fl::FlutterSolution) -> FlutterRow {
+    pub(crate) fn row(&self, table: &FlutterTable, method: Method, i: usize, solution: &fl::FlutterSolution) -> FlutterRow {
         let mach = self.file.lattice.mach[i];
         let flutter = solution.flutter();
         let mut warnings = Vec::new();

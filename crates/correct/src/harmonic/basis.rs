@@ -125,10 +125,10 @@ fn invert(q: &[Vec<f64>], r: &[Vec<f64>]) -> Vec<Vec<f64>> {
     let p = q.len();
     let mut inverse = q.to_vec();
     for j in (0..p).rev() {
-        for k in j + 1..p {
-            let (head, tail) = inverse.split_at_mut(k);
-            for (x, y) in head[j].iter_mut().zip(&tail[0]) {
-                *x -= r[k][j] * y;
+        let (head, tail) = inverse.split_at_mut(j + 1);
+        for (done, column) in tail.iter().zip(&r[j + 1..]) {
+            for (x, y) in head[j].iter_mut().zip(done) {
+                *x -= column[j] * y;
             }
         }
         inverse[j].iter_mut().for_each(|x| *x /= r[j][j]);

@@ -204,7 +204,7 @@ impl Fit {
 #[must_use]
 pub fn relative_change(before: &[c64], after: &[c64]) -> f64 {
     let change: f64 = before.iter().zip(after).map(|(a, b)| (a - b).norm_sqr()).sum();
-    let size: f64 = after.iter().map(|b| b.norm_sqr()).sum();
+    let size: f64 = after.iter().map(c64::norm_sqr).sum();
     if size > 0.0 {
         (change / size).sqrt()
     } else if change > 0.0 {

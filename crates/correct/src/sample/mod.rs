@@ -388,6 +388,9 @@ fn gather(mut row: Vec<(usize, f64)>) -> Vec<(usize, f64)> {
     row
 }
 
+/// Source of the pressure, whether it is of the upper side, outline, and least and largest x and s.
+type ProjectedFace = (usize, bool, Vec<Point>, [f64; 4]);
+
 /// Rows of point sampling: lower minus upper face over the point.
 fn points(
     wall: &Wall,
@@ -399,7 +402,7 @@ fn points(
         return Err(SampleError::Fraction { fraction });
     }
     let mut rows = Vec::with_capacity(lattice.n_boxes());
-    let mut projected: Vec<Vec<(usize, bool, Vec<Point>, [f64; 4])>> = Vec::new();
+    let mut projected: Vec<Vec<ProjectedFace>> = Vec::new();
     for sheet in sheets {
         let list = wall.faces.iter().filter_map(|face| {
             let polygon: Vec<Point> = face.corners_m.iter().map(|p| sheet.project(*p).0).collect();

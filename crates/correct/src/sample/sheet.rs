@@ -63,8 +63,7 @@ pub(super) fn sheets(lattice: &Lattice) -> Vec<Sheet> {
     let joined = |i: usize, j: usize| {
         let size = surfaces[i].chord_1 + surfaces[i].chord_2 + surfaces[j].chord_1 + surfaces[j].chord_2;
         let parallel = near(direction(i), direction(j), 1.0);
-        let one_plane = parallel && ends(i).iter().any(|p| ends(j).iter().any(|q| near(*p, *q, size)));
-        one_plane
+        parallel && ends(i).iter().any(|p| ends(j).iter().any(|q| near(*p, *q, size)))
     };
     let mut sheet_of: Vec<usize> = (0..surfaces.len()).collect();
     for i in 0..surfaces.len() {

@@ -1,0 +1,449 @@
+//! The correction of one case: recordings, references on the boxes, corrected generalized forces, audit, flutter.
+//!
+//! `dlm correct` runs it for a case; the lattice, modes and flutter solution are those of `frequency`.
+
+pub mod figures;
+
+use crate::assemble::modes as make_modes;
+use crate::exit::Stop;
+use crate::frequency::{FlutterCase, FlutterRow, Generalized};
+use crate::progress::{Seconds, Timer, check_interrupt};
+use crate::stamp::Fingerprint;
+use dip_case::Document;
+use dip_case::file::{CorrectMethod, CorrectTable, FlutterTable, Sampling};
+use dip_correct::apply::{self, Corrected};
+use dip_correct::audit::{self, Audit, StripPhase};
+use dip_correct::bridge::{self, Mapped};
+use dip_correct::reading::{Reading, ReadingSettings, read};
+use dip_correct::sample::Rule;
+use dip_correct::weight::schedule::Place;
+use dip_correct::{Correction, Method, Settings};
+use dip_dlm::ComplexMatrix;
+use dip_dlm::aic::Aerodynamics;
+use dip_dlm::motion::BoxMotion;
+use dip_flutter as fl;
+use dip_record::{RecordError, Recording};
+use faer::Mat;
+use rayon::prelude::*;
+use serde::Serialize;
+use std::path::{Path, PathBuf};
+
+/// A flutter case with recordings.
+#[derive(Debug)]
+pub struct CorrectionCase {
+    /// The case.
+    pub flutter: FlutterCase,
+    /// `[correct]`.
+    pub table: CorrectTable,
+    /// Recordings in the order given: path and content.
+    pub recordings: Vec<(PathBuf, Recording)>,
+    /// Everything that the results depend on.
+    pub fingerprint: Fingerprint,
+}
+
+/// One flutter point with the correction that its forces had.
+#[derive(Debug, Clone, Serialize)]
+pub struct CorrectedRow {
+    /// Name of the correction; `none` for the lattice as it is.
+    pub correction: &'static str,
+    /// The flutter point.
+    #[serde(flatten)]
+    pub row: FlutterRow,
+    /// What the correction rests on at the flutter point's reduced frequency.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub rests_on: Option<Place>,
+    /// Flutter speed over the uncorrected one of the same method, less 1.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub speed_change: Option<f64>,
+}
+
+/// A solution with its row.
+#[derive(Debug)]
+pub struct CorrectedSolution {
+    /// The row.
+    pub row: CorrectedRow,
+    /// The curves.
+    pub solution: fl::FlutterSolution,
+}
+
+/// All at one Mach number.
+#[derive(Debug)]
+pub struct MachCorrection {
+    /// Mach number.
+    pub mach: f64,
+    /// Readings on the boxes.
+    pub mapped: Vec<Mapped>,
+    /// Weights and corrected forces.
+    pub correction: Correction,
+    /// Checks.
+    pub audit: Audit,
+    /// Section lift along the span at every recorded k of the main motion.
+    pub phases: Vec<(f64, Vec<StripPhase>)>,
+    /// Flutter: uncorrected first, then by correction; for each by flutter method.
+    pub solutions: Vec<CorrectedSolution>,
+}
+
+/// All that a case gives.
+#[derive(Debug)]
+pub struct CorrectionResults {
+    /// The lattice.
+    pub aerodynamics: Aerodynamics,
+    /// By Mach number, in the case's order; Mach numbers without recordings are left out.
+    pub machs: Vec<MachCorrection>,
+    /// What to know besides.
+    pub notes: Vec<String>,
+    /// Seconds for each stage.
+    pub stages: Vec<(String, Seconds)>,
+}
+
+/// The crate's method of a case's.
+fn method(method: CorrectMethod) -> Method {
+    match method {
+        CorrectMethod::Downwash => Method::Downwash,
+        CorrectMethod::DownwashSteady => Method::DownwashSteady,
+        CorrectMethod::PressureRatio => Method::PressureRatio,
+        CorrectMethod::Force => Method::Force,
+        CorrectMethod::ForceSteady => Method::ForceSteady,
+        CorrectMethod::Additive => Method::Additive,
+        CorrectMethod::Mode => Method::Mode,
+        CorrectMethod::Full => Method::Full,
+        CorrectMethod::DauGarner => Method::DauGarner,
+    }
+}
+
+impl CorrectionCase {
+    /// Reads a case and its recordings: those of `from`, and those that `[recordings]` names.
+    ///
+    /// # Errors
+    /// What is wrong in the files, or no recording at all.
+    pub fn read(document: Document, from: &[PathBuf]) -> Result<Self, Stop> {
+        let flutter = FlutterCase::read(document)?;
+        let table = flutter.file.correct.clone().unwrap_or_default();
+        check(&flutter.document, &table)?;
+        let mut paths: Vec<PathBuf> = from.to_vec();
+        if let Some(recordings) = &flutter.file.recordings {
+            paths.extend(recordings.files.iter().map(|p| flutter.document.path(p)));
+        }
+        if paths.is_empty() {
+            return Err(Stop::input(
+                "no recording to correct by",
+                "give --from pitch.mcap (repeatable), or [recordings] files = [...] in the case",
+            ));
+        }
+        let mut fingerprint = flutter.fingerprint.clone();
+        let mut recordings = Vec::with_capacity(paths.len());
+        for path in paths {
+            let recording = Recording::read(&path).map_err(|e| unusable(&path, &e))?;
+            fingerprint.file(path.clone());
+            recordings.push((path, recording));
+        }
+        Ok(Self {
+            flutter,
+            table,
+            recordings,
+            fingerprint,
+        })
+    }
+
+    fn rule(&self) -> Rule {
+        match self.table.sampling {
+            Sampling::Conservative => Rule::Conservative,
+            Sampling::Average => Rule::Average,
+            Sampling::Point => Rule::Point(self.table.point),
+        }
+    }
+
+    fn settings(&self) -> Settings {
+        Settings {
+            limits: dip_correct::weight::Limits {
+                bound: self.table.bound,
+                least: self.table.least,
+            },
+            blend: self.table.blend,
+        }
+    }
+
+    /// The recordings of each Mach number of the case.
+    ///
+    /// # Errors
+    /// A recording of another Mach number.
+    fn by_mach(&self) -> Result<Vec<(usize, Vec<usize>)>, Stop> {
+        let machs = &self.flutter.file.lattice.mach;
+        let mut groups: Vec<(usize, Vec<usize>)> = Vec::new();
+        for (i, (path, recording)) in self.recordings.iter().enumerate() {
+            let mach = recording.setup.references.mach;
+            let Some(at) = machs.iter().position(|m| (m - mach).abs() <= 1e-3) else {
+                return Err(Stop::input(
+                    format!(
+                        "{}: Mach number of the recording is {mach}, of the lattice {machs:?}",
+                        path.display()
+                    ),
+                    "add it to lattice.mach (with its density), or give another recording",
+                ));
+            };
+            match groups.iter_mut().find(|(m, _)| *m == at) {
+                Some((_, list)) => list.push(i),
+                None => groups.push((at, vec![i])),
+            }
+        }
+        groups.sort_by_key(|(m, _)| *m);
+        Ok(groups)
+    }
+
+    /// Runs the chain. `begin` is told what starts.
+    ///
+    /// # Errors
+    /// What is wrong in files and recordings, what a solver refuses, an interrupt.
+    pub fn solve(&self, mut begin: impl FnMut(&str)) -> Result<CorrectionResults, Stop> {
+        let case = &self.flutter;
+        let Some(flutter) = &case.file.flutter else {
+            return Err(case
+                .document
+                .error("", "missing table [flutter]", "add [flutter] with methods and densities")
+                .into());
+        };
+        let groups = self.by_mach()?;
+        let mut stages = Vec::new();
+        begin("modes, lattice, splines");
+        let timer = Timer::start();
+        let structure = make_modes::modes(&case.document, &case.file)?;
+        let aerodynamics = case.aerodynamics()?;
+        case.findings(&aerodynamics)?;
+        let (motion, generalized) = case.motion(&aerodynamics, &structure)?;
+        let damped = case.structure(flutter, &generalized)?;
+        stages.push(("modes, lattice, splines".to_owned(), timer.seconds()));
+        let mut machs = Vec::new();
+        for (index, list) in groups {
+            check_interrupt("nothing yet: a correction is quick to do again")?;
+            let mach = case.file.lattice.mach[index];
+            machs.push(self.at_mach(index, &list, &aerodynamics, &motion, &generalized, flutter, &damped, &mut begin, &mut stages)?);
+            tracing::debug!("Mach {mach} done");
+        }
+        let mut notes = Vec::new();
+        let missing: Vec<String> = case
+            .file
+            .lattice
+            .mach
+            .iter()
+            .filter(|m| !machs.iter().any(|c: &MachCorrection| c.mach == **m))
+            .map(ToString::to_string)
+            .collect();
+        if !missing.is_empty() {
+            notes.push(format!("no recordings at Mach {}: left out", missing.join(", ")));
+        }
+        for m in &machs {
+            for c in &m.correction.methods {
+                if let Some(k) = c.steady_from_k.filter(|k| *k > 0.0) {
+                    notes.push(format!(
+                        "Mach {}, {}: no steady slope recorded; weights are the real parts of those at k = {k:.4}",
+                        m.mach,
+                        c.method.name()
+                    ));
+                }
+            }
+        }
+        Ok(CorrectionResults {
+            aerodynamics,
+            machs,
+            notes,
+            stages,
+        })
+    }
+
+    #[expect(clippy::too_many_arguments, reason = "one Mach number of the chain, described once")]
+    fn at_mach(
+        &self,
+        index: usize,
+        list: &[usize],
+        aerodynamics: &Aerodynamics,
+        motion: &BoxMotion,
+        generalized: &Generalized,
+        flutter: &FlutterTable,
+        damped: &fl::Structure,
+        begin: &mut impl FnMut(&str),
+        stages: &mut Vec<(String, Seconds)>,
+    ) -> Result<MachCorrection, Stop> {
+        let case = &self.flutter;
+        let mach = case.file.lattice.mach[index];
+        let _ = generalized;
+        begin(&format!("harmonics and boxes, Mach {mach}"));
+        let timer = Timer::start();
+        let k = case.reduced_frequencies();
+        let settings = ReadingSettings {
+            harmonics: self.table.harmonics,
+            cycles: self.table.cycles,
+            pulse_k: k.clone(),
+        };
+        let mut readings: Vec<(&Recording, Vec<Reading>)> = Vec::new();
+        for &i in list {
+            let (path, recording) = &self.recordings[i];
+            let label = name(path);
+            bridge::check_match(recording, &label, aerodynamics, mach)
+                .map_err(|e| Stop::input(e.to_string(), "correct the case, or give a recording that belongs to it"))?;
+            let of = read(recording, &label, &settings)
+                .map_err(|e| Stop::input(e.to_string(), "look at the recording with `dip info` and `dip doctor`"))?;
+            if let Some(axis) = &self.table.axis {
+                for reading in &of {
+                    bridge::check_axis(reading, axis.map(|l| l.0), aerodynamics.semichord())
+                        .map_err(|e| Stop::input(e.to_string(), "correct.axis and the recording must agree"))?;
+                }
+            }
+            readings.push((recording, of));
+        }
+        let (references, mapped) = bridge::assemble(aerodynamics, case.point_rule(), motion, &readings, self.rule())
+            .map_err(|e| Stop::input(e.to_string(), "give recordings of this wing and its modes"))?;
+        stages.push((format!("harmonics and boxes, Mach {mach}"), timer.seconds()));
+
+        begin(&format!("corrected forces, Mach {mach}"));
+        let timer = Timer::start();
+        let methods: Vec<Method> = self.table.methods.iter().map(|m| method(*m)).collect();
+        let correction = apply::correct(aerodynamics, motion, mach, &k, &references, &methods, self.settings())
+            .map_err(|e| Stop::input(format!("Mach {mach}: {e}"), "change correct.methods, or record what is missing"))?;
+        let limits = audit::Limits::default();
+        let audit = audit::audit(aerodynamics, mach, &references, &mapped, &correction, self.rule(), &limits)
+            .map_err(|e| Stop::failed(format!("audit at Mach {mach}: {e}"), "check the lattice"))?;
+        let phases = correction.recordings.iter().map(|at| {
+            let strips = audit::strip_phases(aerodynamics, &at.recorded, &at.linear);
+            (at.k, strips)
+        });
+        let phases = phases.collect();
+        let aero = timer.seconds();
+        stages.push((format!("corrected forces and audit, Mach {mach}"), aero));
+
+        begin(&format!("flutter, Mach {mach}"));
+        let timer = Timer::start();
+        let solutions = self.flutter(index, flutter, damped, &correction)?;
+        stages.push((format!("flutter, Mach {mach}"), timer.seconds()));
+        Ok(MachCorrection {
+            mach,
+            mapped,
+            correction,
+            audit,
+            phases,
+            solutions,
+        })
+    }
+
+    /// Flutter of the lattice as it is and by every correction, by every flutter method.
+    fn flutter(
+        &self,
+        index: usize,
+        flutter: &FlutterTable,
+        damped: &fl::Structure,
+        correction: &Correction,
+    ) -> Result<Vec<CorrectedSolution>, Stop> {
+        let case = &self.flutter;
+        let tables = std::iter::once((None, &correction.linear))
+            .chain(correction.methods.iter().map(|c| (Some(c), &c.q)))
+            .map(|(corrected, q)| Ok((corrected, self.tabulated(&correction.k, q)?)))
+            .collect::<Result<Vec<_>, Stop>>()?;
+        let jobs: Vec<(Option<&Corrected>, &fl::TabulatedForces, usize)> = tables
+            .iter()
+            .flat_map(|(corrected, forces)| (0..flutter.methods.len()).map(move |m| (*corrected, forces, m)))
+            .collect();
+        let mut solved = jobs
+            .par_iter()
+            .map(|(corrected, forces, m)| {
+                let timer = Timer::start();
+                let by = flutter.methods[*m];
+                let solution = case.flutter(flutter, by, index, damped, forces)?;
+                let mut row = case.row(flutter, by, index, &solution);
+                row.time_s = timer.seconds().wall_s;
+                row.cpu_s = row.time_s;
+                let k = row.reduced_frequency;
+                let rests_on = corrected.and_then(|c| k.map(|k| resting(c, correction, k)));
+                if let (Some(place @ (Place::Blended | Place::Linear)), Some(k)) = (rests_on, k) {
+                    let words = match place {
+                        Place::Blended => "where the correction fades into the linear lattice",
+                        _ => "where the lattice is linear",
+                    };
+                    row.warnings.push(format!(
+                        "the flutter point's reduced frequency {k:.4} lies beyond the recordings, {words}: record one at or above it"
+                    ));
+                }
+                Ok(CorrectedSolution {
+                    row: CorrectedRow {
+                        correction: corrected.map_or("none", |c| c.method.name()),
+                        row,
+                        rests_on,
+                        speed_change: None,
+                    },
+                    solution,
+                })
+            })
+            .collect::<Result<Vec<_>, Stop>>()?;
+        let n = flutter.methods.len();
+        let linear: Vec<Option<f64>> = solved.iter().take(n).map(|s| s.row.row.flutter_speed_m_s).collect();
+        for (i, s) in solved.iter_mut().enumerate().skip(n) {
+            s.row.speed_change = s.row.row.flutter_speed_m_s.zip(linear[i % n]).map(|(own, linear)| own / linear - 1.0);
+        }
+        Ok(solved)
+    }
+
+    fn tabulated(&self, k: &[f64], q: &[ComplexMatrix]) -> Result<fl::TabulatedForces, Stop> {
+        let q: Vec<Mat<faer::c64>> = q.iter().map(|m| m.view().to_owned()).collect();
+        fl::TabulatedForces::new(k, &q, fl::Interpolation::EvenCubicSpline).map_err(|e| {
+            self.flutter
+                .document
+                .error("lattice.reduced_frequencies", e.to_string(), "give more of them")
+                .into()
+        })
+    }
+}
+
+/// What a correction rests on at `k`: the least informed of the tabulated frequencies on both sides.
+fn resting(corrected: &Corrected, correction: &Correction, k: f64) -> Place {
+    let above = correction.k.partition_point(|x| *x < k).min(corrected.place.len().saturating_sub(1));
+    if corrected.method.is_steady() {
+        return Place::Recorded;
+    }
+    let schedule = correction.schedule.place(k);
+    match corrected.method {
+        Method::Mode | Method::Full => corrected.place.get(above).copied().unwrap_or(schedule),
+        _ => schedule,
+    }
+}
+
+/// Last part of a path, for messages.
+fn name(path: &Path) -> String {
+    path.file_name()
+        .map_or_else(|| path.display().to_string(), |n| n.to_string_lossy().into_owned())
+}
+
+fn unusable(path: &Path, error: &RecordError) -> Stop {
+    Stop::input(
+        error.to_string(),
+        format!("`dip doctor {}` says what is wrong and what can be saved", path.display()),
+    )
+}
+
+/// Numbers of `[correct]` that no type can check.
+fn check(document: &Document, table: &CorrectTable) -> Result<(), Stop> {
+    let wrong = |key: &str, message: String, help: &str| -> Result<(), Stop> {
+        Err(document.error(&format!("correct.{key}"), message, help).into())
+    };
+    if table.methods.is_empty() {
+        return wrong("methods", "no method".into(), "give one or more, as in [\"downwash\"]");
+    }
+    for (i, m) in table.methods.iter().enumerate() {
+        if table.methods[..i].contains(m) {
+            return wrong(&format!("methods.{i}"), "this method stands twice".into(), "leave one of them out");
+        }
+    }
+    if !(0.0..=1.0).contains(&table.point) {
+        return wrong("point", format!("{}: needed 0 to 1", table.point), "0.75 is the thesis's point");
+    }
+    if table.harmonics == 0 || table.harmonics > 20 {
+        return wrong("harmonics", format!("{}: needed 1 to 20", table.harmonics), "3 shows what is not linear");
+    }
+    if !(table.bound.is_finite() && table.bound > 0.0) {
+        return wrong("bound", format!("{}: needed above 0", table.bound), "10 is the default");
+    }
+    if !(0.0..1.0).contains(&table.least) {
+        return wrong("least", format!("{}: needed 0 or more and below 1", table.least), "0.02 is the default");
+    }
+    if !(table.blend.is_finite() && table.blend > 1.0) {
+        return wrong("blend", format!("{}: needed above 1", table.blend), "2 is the default");
+    }
+    Ok(())
+}
