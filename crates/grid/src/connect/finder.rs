@@ -1,111 +1,14 @@
-//! Finds which faces touch which, by their points.
+//! Face cells that touch, found by the numbers of their corners.
 
 use std::collections::HashMap;
-use std::fmt;
 
-use crate::block::Block;
+use super::Cell;
+use super::points::{Points, shortest_edge};
 use crate::face::{Face, Window};
 use crate::topology::{Condition, Interface, MultiBlock, Orientation, Patch, Side};
-use crate::vector::{add, distance};
+use crate::vector::add;
 
-/// How points are matched.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Options {
-    /// Two points nearer than this are one. `None`: 1e-9 of the grid's diagonal (2e-7 suits single precision files). It is
-    /// never more than a tenth of the shortest edge at the point, so that the fine steps at a wall stay apart.
-    pub tolerance: Option<f64>,
-    /// Translations by which faces may match periodically.
-    pub periodic: Vec<[f64; 3]>,
-}
-
-/// What was found.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Found {
-    /// Interfaces that were added.
-    pub interfaces: usize,
-    /// Those of a block with itself among them.
-    pub of_itself: usize,
-    /// Periodic ones among them.
-    pub periodic: usize,
-    /// Collapsed windows that were added as patches.
-    pub collapsed: usize,
-    /// Face cells that more than two faces share: left alone.
-    pub ambiguous: usize,
-    /// Face cells that are on no interface and no patch.
-    pub free: usize,
-}
-
-impl fmt::Display for Found {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(
-            f,
-            "{} interfaces found ({} of a block with itself, {} periodic), {} collapsed windows; {} face cells are free",
-            self.interfaces, self.of_itself, self.periodic, self.collapsed, self.free
-        )?;
-        if self.ambiguous > 0 {
-            write!(
-                f,
-                "; {} face cells coincide with more than one other and were left alone",
-                self.ambiguous
-            )?;
-        }
-        Ok(())
-    }
-}
-
-/// One cell of a block's face.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-struct Cell {
-    block: usize,
-    face: Face,
-    p: usize,
-    q: usize,
-}
-
-/// Finds all interfaces among face cells that have none yet, and adds them to the topology: all eight orientations, blocks
-/// that touch themselves, windows smaller than faces; then periodic ones. Face cells collapsed to an edge or a point get
-/// the condition [`Condition::Collapsed`] unless a patch names them.
-pub fn find_interfaces(grid: &mut MultiBlock, options: &Options) -> Found {
-    let [lo, hi] = grid.bounds();
-    let tolerance = options
-        .tolerance
-        .unwrap_or(1e-9 * distance(lo, hi))
-        .max(f64::MIN_POSITIVE);
-    let mut found = Found::default();
-    let mut finder = Finder::new(grid);
-    finder.number(grid, tolerance, None);
-    found.collapsed = finder.collapsed(grid);
-    let (interfaces, ambiguous) = finder.match_cells(grid, None);
-    found.ambiguous = ambiguous;
-    let mut all = interfaces;
-    for &translation in &options.periodic {
-        finder.number(grid, tolerance, Some(translation));
-        let (interfaces, _) = finder.match_cells(grid, Some(translation));
-        found.periodic += interfaces.len();
-        all.extend(interfaces);
-    }
-    found.interfaces = all.len();
-    found.of_itself = all.iter().filter(|i| i.a.block == i.b.block).count();
-    grid.topology.interfaces.extend(all);
-    found.free = finder.free(grid);
-    found
-}
-
-/// Gives every face cell that is on no interface and no patch to patches called `name`.
-pub fn fill_rest(grid: &mut MultiBlock, name: &str, condition: Condition) {
-    let finder = Finder::new(grid);
-    for (block, face, window) in finder.windows(grid, |f, g, cell| !f.is_used(g, cell)) {
-        grid.topology.patches.push(Patch {
-            name: name.into(),
-            block,
-            face,
-            window,
-            condition,
-        });
-    }
-}
-
-struct Finder {
+pub(super) struct Finder {
     /// Cells with an interface or a patch, `[block][face][p + np q]`.
     used: Vec<[Vec<bool>; 6]>,
     /// Point numbers of the face nodes, equal for equal points: `[block][face][p + (np+1) q]`, and the same for the
@@ -115,7 +18,7 @@ struct Finder {
 }
 
 impl Finder {
-    fn new(grid: &MultiBlock) -> Self {
+    pub(super) fn new(grid: &MultiBlock) -> Self {
         let per_face = |n: usize| Face::ALL.map(|f| grid.blocks[n].face_cells(f));
         let used = (0..grid.blocks.len())
             .map(|n| per_face(n).map(|[p, q]| vec![false; p * q]))
@@ -142,12 +45,8 @@ impl Finder {
     }
 
     /// Numbers the points of all faces; with a translation, the moved points get the numbers of those they fall on.
-    fn number(&mut self, grid: &MultiBlock, tolerance: f64, translation: Option<[f64; 3]>) {
-        let mut points = Points {
-            cells: HashMap::new(),
-            at: Vec::new(),
-            tolerance,
-        };
+    pub(super) fn number(&mut self, grid: &MultiBlock, tolerance: f64, translation: Option<[f64; 3]>) {
+        let mut points = Points::new(tolerance);
         let mut table = |shift: [f64; 3]| -> Vec<[Vec<u32>; 6]> {
             grid.blocks
                 .iter()
@@ -173,7 +72,7 @@ impl Finder {
         };
     }
 
-    fn is_used(&self, grid: &MultiBlock, cell: Cell) -> bool {
+    pub(super) fn is_used(&self, grid: &MultiBlock, cell: Cell) -> bool {
         let [np, _] = grid.blocks[cell.block].face_cells(cell.face);
         self.used[cell.block][cell.face as usize][cell.p + np * cell.q]
     }
@@ -205,7 +104,7 @@ impl Finder {
         })
     }
 
-    fn free(&self, grid: &MultiBlock) -> usize {
+    pub(super) fn free(&self, grid: &MultiBlock) -> usize {
         self.all_cells(grid).filter(|&c| !self.is_used(grid, c)).count()
     }
 
@@ -214,7 +113,7 @@ impl Finder {
     }
 
     /// Adds patches for collapsed face cells; how many.
-    fn collapsed(&mut self, grid: &mut MultiBlock) -> usize {
+    pub(super) fn collapsed(&mut self, grid: &mut MultiBlock) -> usize {
         let windows = self.windows(grid, |f, g, c| !f.is_used(g, c) && f.is_collapsed(g, c));
         for &(block, face, window) in &windows {
             for q in window.lo[1]..window.hi[1] {
@@ -235,7 +134,7 @@ impl Finder {
     }
 
     /// Rectangles that cover all face cells of a kind, each once.
-    fn windows(
+    pub(super) fn windows(
         &self,
         grid: &MultiBlock,
         wanted: impl Fn(&Self, &MultiBlock, Cell) -> bool,
@@ -276,7 +175,7 @@ impl Finder {
     }
 
     /// Pairs free face cells with equal corners and joins the pairs to windows.
-    fn match_cells(&mut self, grid: &MultiBlock, translation: Option<[f64; 3]>) -> (Vec<Interface>, usize) {
+    pub(super) fn match_cells(&mut self, grid: &MultiBlock, translation: Option<[f64; 3]>) -> (Vec<Interface>, usize) {
         let mut by_corners: HashMap<[u32; 4], Vec<Cell>> = HashMap::new();
         for cell in self.all_cells(grid).filter(|&c| !self.is_used(grid, c)) {
             let corners = self.corners(grid, cell, false);
@@ -440,25 +339,6 @@ fn across(b: Cell, orientation: Orientation, dp: usize, dq: usize) -> Option<Cel
     })
 }
 
-/// Shortest edge at a face node, in the face and into the block; edges of no length do not count.
-fn shortest_edge(block: &Block, face: Face, p: usize, q: usize) -> f64 {
-    let [np, nq] = block.face_cells(face);
-    let here = block.point_at(block.node_behind(face, p, q, 0));
-    let others = [
-        (p > 0).then(|| block.node_behind(face, p - 1, q, 0)),
-        (p < np).then(|| block.node_behind(face, p + 1, q, 0)),
-        (q > 0).then(|| block.node_behind(face, p, q - 1, 0)),
-        (q < nq).then(|| block.node_behind(face, p, q + 1, 0)),
-        Some(block.node_behind(face, p, q, 1)),
-    ];
-    others
-        .into_iter()
-        .flatten()
-        .map(|ijk| distance(here, block.point_at(ijk)))
-        .filter(|&d| d > 0.0)
-        .fold(f64::INFINITY, f64::min)
-}
-
 fn window_on_b(b: Cell, orientation: Orientation, size: [usize; 2]) -> Window {
     let size = orientation.size(size);
     let range = |from: usize, n: usize, back: bool| {
@@ -481,44 +361,4 @@ fn distinct(c: [u32; 4]) -> usize {
 fn sorted(mut c: [u32; 4]) -> [u32; 4] {
     c.sort_unstable();
     c
-}
-
-/// Points with numbers; points nearer than the tolerance share one.
-struct Points {
-    cells: HashMap<[i64; 3], Vec<u32>>,
-    at: Vec<[f64; 3]>,
-    tolerance: f64,
-}
-
-impl Points {
-    /// The number of point `p`, where an equal point must not be further than `most` either.
-    fn number(&mut self, p: [f64; 3], most: f64) -> u32 {
-        let tolerance = self.tolerance.min(most);
-        let width = 4.0 * self.tolerance;
-        let scaled = p.map(|v| v / width);
-        let home = scaled.map(|v| v.floor() as i64);
-        // Only boxes within the tolerance of p can hold its equal: most often that is its own alone.
-        let near = |d: usize| {
-            let part = scaled[d] - home[d] as f64;
-            (if part < 0.25 { -1 } else { 0 })..=(if part > 0.75 { 1 } else { 0 })
-        };
-        for dz in near(2) {
-            for dy in near(1) {
-                for dx in near(0) {
-                    let Some(list) = self.cells.get(&[home[0] + dx, home[1] + dy, home[2] + dz]) else {
-                        continue;
-                    };
-                    for &n in list {
-                        if distance(self.at[n as usize], p) <= tolerance {
-                            return n;
-                        }
-                    }
-                }
-            }
-        }
-        let n = self.at.len() as u32;
-        self.at.push(p);
-        self.cells.entry(home).or_default().push(n);
-        n
-    }
 }
