@@ -2,7 +2,7 @@
 //!
 //! The thesis blends the wall's displacement out to the far field (its equation (4.27), transfinite interpolation from the
 //! faces of a block). Here too, but by position instead of by index, and from the wall's neighbourhood instead of one node
-//! of it (see [`crate::deform`]): a node's displacement then depends on where it is alone. So blocks that meet agree to
+//! of it (see `deform`): a node's displacement then depends on where it is alone. So blocks that meet agree to
 //! the bit whatever their orientation, a grid cut into more blocks moves the same way, and blocks that do not touch the
 //! wall need no rule of their own. Interpolation by index between the faces of cut blocks was tried first: it changed
 //! the spacing at the wall by more than a tenth on the coarse O-O grid, where this keeps it to the first order in the
@@ -78,7 +78,7 @@ pub enum DeformError {
 /// The part of a grid's wall that moves: its nodes, each once however many blocks meet there, and its faces.
 #[derive(Debug, Clone)]
 pub struct MovingWall {
-    /// Positions [wall node], in the grid's unit.
+    /// Positions `[wall node]`, in the grid's unit.
     pub positions: Vec<[f64; 3]>,
     /// Wall nodes of each face in order round it, in the order of the patches and, in a patch, of its cells (first direction
     /// fastest).
@@ -270,7 +270,7 @@ impl GridModes {
         self.reach
     }
 
-    /// Sets the nodes of `moved` to those of `base` displaced by the generalized coordinates `q` [mode].
+    /// Sets the nodes of `moved` to those of `base` displaced by the generalized coordinates `q` `[mode]`.
     ///
     /// # Errors
     /// [`DeformError::Count`] if `q` or the blocks do not fit.

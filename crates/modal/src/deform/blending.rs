@@ -11,7 +11,7 @@ pub(crate) struct Anchor {
     pub area: f64,
     /// Walls that stay where they are only pull: the blending counts from those that move.
     pub moves: bool,
-    /// Displacement and rotation [mode].
+    /// Displacement and rotation `[mode]`.
     pub motion: Vec<[Vector3<f64>; 2]>,
 }
 
@@ -142,7 +142,7 @@ impl Blending {
         number
     }
 
-    /// Displacements [mode] of `x`, which is on no anchor.
+    /// Displacements `[mode]` of `x`, which is on no anchor.
     pub fn at(&self, x: &Vector3<f64>) -> Vec<Vector3<f64>> {
         let mut sums = vec![0.0; self.width];
         let mut total = 0.0;

@@ -9,12 +9,12 @@ use crate::modes::Modes;
 /// mass-normalized shapes in metres m is 1 kg, q has no unit and f is in N m; only their products matter.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ModalEquations {
-    /// Circular frequency [mode], rad/s; zero for a rigid body mode.
+    /// Circular frequency `[mode]`, rad/s; zero for a rigid body mode.
     pub omega_rad_s: Vec<f64>,
-    /// Fraction of critical damping [mode]. A structural damping g (dissipation proportional to displacement) is
+    /// Fraction of critical damping `[mode]`. A structural damping g (dissipation proportional to displacement) is
     /// `zeta = g / 2` at the mode's own frequency.
     pub damping_ratio: Vec<f64>,
-    /// Generalized mass [mode], kg.
+    /// Generalized mass `[mode]`, kg.
     pub generalized_mass: Vec<f64>,
 }
 

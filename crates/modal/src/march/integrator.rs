@@ -11,11 +11,11 @@ use super::scheme::{Motion, StepScheme, Stepper};
 pub struct ModalState {
     /// Time, s.
     pub time_s: f64,
-    /// Generalized coordinates [mode].
+    /// Generalized coordinates `[mode]`.
     pub q: Vec<f64>,
-    /// Their rates [mode], 1/s.
+    /// Their rates `[mode]`, 1/s.
     pub q_dot: Vec<f64>,
-    /// Generalized forces [mode].
+    /// Generalized forces `[mode]`.
     pub f: Vec<f64>,
 }
 
@@ -73,9 +73,9 @@ pub struct Integrator {
     steps: u64,
     start_s: f64,
     old: ModalState,
-    /// Accelerations that the scheme carries [mode].
+    /// Accelerations that the scheme carries `[mode]`.
     old_a: Vec<f64>,
-    /// Forces one step before `old` [mode]; none in the first step.
+    /// Forces one step before `old` `[mode]`; none in the first step.
     older_f: Option<Vec<f64>>,
     new: ModalState,
     new_a: Vec<f64>,

@@ -112,7 +112,7 @@ impl Transfer {
         &self.entries[self.start[point]..self.start[point + 1]]
     }
 
-    /// Displacements [point] for displacements of the structural nodes `[node]`.
+    /// Displacements `[point]` for displacements of the structural nodes `[node]`.
     ///
     /// # Errors
     /// [`TransferError::Count`].
@@ -124,7 +124,7 @@ impl Transfer {
             .collect())
     }
 
-    /// Forces [node] that do the same work as `forces` on the points `[point]`: the transpose.
+    /// Forces `[node]` that do the same work as `forces` on the points `[point]`: the transpose.
     ///
     /// # Errors
     /// [`TransferError::Count`].
@@ -239,7 +239,7 @@ struct Hosts<'a> {
     /// Bounding spheres [triangle].
     spheres: Vec<(Vector3<f64>, f64)>,
     areas: Vec<f64>,
-    /// Triangles round a node [node].
+    /// Triangles round a node `[node]`.
     fans: Vec<Vec<usize>>,
 }
 

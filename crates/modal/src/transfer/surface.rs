@@ -111,7 +111,7 @@ impl StructuralSurface {
         Self::triangulate(&nodes)
     }
 
-    /// Positions [node].
+    /// Positions `[node]`.
     #[must_use]
     pub fn nodes(&self) -> &[Vector3<f64>] {
         &self.nodes
