@@ -5,6 +5,7 @@ mod commands {
     pub mod deck;
     pub mod flutter;
     pub mod mesh;
+    pub mod recording;
     pub mod setup;
     pub mod steady;
     pub mod study;

@@ -80,6 +80,23 @@ impl Common {
     }
 }
 
+/// Sets up messages for commands that take no [`Common`] options.
+///
+/// # Errors
+/// None; the type is that of [`Common::start`].
+pub fn messages(quiet: bool) -> Result<(), Stop> {
+    Common {
+        out: None,
+        force: false,
+        set: Vec::new(),
+        json: false,
+        threads: None,
+        quiet,
+        verbose: 0,
+    }
+    .start()
+}
+
 /// Name of a case: its folder and its file, so that `agard445/flutter.toml` and `f5/flutter.toml` stay apart.
 pub fn case_name(case: &Path) -> String {
     let stem = case

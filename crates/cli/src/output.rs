@@ -36,6 +36,14 @@ impl RunFolder {
                 ));
             }
         }
+        Self::plain(path)
+    }
+
+    /// Opens a folder for files that are not those of a run; what is in it is left to the caller.
+    ///
+    /// # Errors
+    /// A folder that can't be made.
+    pub fn plain(path: &Path) -> Result<Self, Stop> {
         fs::create_dir_all(path).map_err(|e| {
             Stop::failed(
                 format!("{}: cannot make the folder: {e}", path.display()),

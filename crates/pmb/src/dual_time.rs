@@ -277,7 +277,8 @@ impl DualTime {
         } else {
             self.norm = f64::INFINITY;
         }
-        if !(self.norm < self.reference) {
+        // Not a number counts as no better.
+        if self.norm.partial_cmp(&self.reference) != Some(std::cmp::Ordering::Less) {
             self.solver.unknowns.copy_from_slice(&self.history[0]);
             self.evaluate();
         }
@@ -307,7 +308,10 @@ impl DualTime {
     }
 
     fn goal(&self) -> f64 {
-        (self.reference * 10.0_f64.powf(-self.settings.orders)).max(2.0 * self.solver.round_off())
+        /// Fluxes of energy carry 3.5 p and the roundings of six faces: where nothing changes any more (after a pulse, at the
+        /// end of a ramp) Newton steps were seen to stall at 13 times the estimate.
+        const ROUNDINGS: f64 = 20.0;
+        (self.reference * 10.0_f64.powf(-self.settings.orders)).max(ROUNDINGS * self.solver.round_off())
     }
 
     /// One pseudo step. Returns false if none could be found that brings the residual down.

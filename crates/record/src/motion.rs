@@ -73,7 +73,8 @@ impl CoordinateKind {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(rename_all = "lowercase", tag = "law")]
 pub enum Law {
-    /// mean + sum of `amplitude` sin(`omega` (t - `phase_origin`) + `phase`).
+    /// mean + sum of `amplitude` sin(`omega` (t - `phase_origin`) + `phase`) after the phase origin. At that instant
+    /// itself stands the flow before the motion, whose coordinate is the mean.
     Harmonic {
         /// Mean, in the unit of the coordinate.
         mean: f64,

@@ -359,7 +359,7 @@ fn motion(setup: &Setup, steps: &[Step], findings: &mut Vec<Finding>) {
         let scale = mean.abs() + harmonics.iter().map(|h| h.amplitude.abs()).sum::<f64>();
         let worst = steps
             .iter()
-            .filter(|s| s.time_s >= *phase_origin_s)
+            .filter(|s| s.time_s > *phase_origin_s)
             .filter_map(|s| {
                 let law = coordinate.law.at(s.time_s)?.value;
                 let now = s.motion.get(n)?.value;

@@ -26,7 +26,8 @@ use crate::step::Step;
 /// How a recording is written. A run that is gone on with must use the same options to give the same file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct WriterOptions {
-    /// Steps in a chunk: what a killed run can lose. A chunk ends with every step whose number plus one is a multiple.
+    /// Steps in a chunk: what a killed run can lose. A chunk ends with every step whose number is a multiple, so a restart
+    /// file that is written after such a step finds all steps before it in the recording.
     pub steps_per_chunk: u32,
     /// The channel for viewers has a frame at every step whose number is a multiple; 0 leaves it out.
     pub viewer_every: u32,
@@ -267,7 +268,7 @@ impl Writer {
         out.step(&self.setup, step, self.options)
             .map_err(|e| container(&self.path, e))?;
         self.last = Some((step.number, step.time_s));
-        if (step.number + 1).is_multiple_of(self.options.steps_per_chunk) {
+        if step.number.is_multiple_of(self.options.steps_per_chunk) {
             out.inner.flush().map_err(|e| container(&self.path, e))?;
             self.flushed = Some(step.number);
         }

@@ -1,7 +1,11 @@
-//! The `dip` program: whole studies.
+//! The `dip` program: whole studies, and what recordings hold.
 
 mod compare;
+mod doctor;
+mod export;
+mod info;
 mod published;
+mod recording;
 mod report;
 mod run;
 mod study;
@@ -11,7 +15,7 @@ use crate::{options, output};
 use clap::{CommandFactory, Parser, Subcommand};
 use std::process::ExitCode;
 
-/// Flutter boundaries by several methods, side by side with experiment.
+/// Flutter boundaries by several methods, side by side with experiment; and recordings of unsteady runs.
 #[derive(Debug, Parser)]
 #[command(name = "dip", version = crate::VERSION, after_help = EXAMPLES)]
 struct Cli {
@@ -22,6 +26,7 @@ struct Cli {
 const EXAMPLES: &str = "Examples:
   dip compare cases/agard445/boundary.toml
   dip run cases/agard445/boundary.toml --out runs/agard
+  dip info runs/agard445-pitch/pitch.mcap
   dip schema flutter > flutter.schema.json
 
 Exit codes: 0 done; 1 failed; 2 bad arguments or input; 3 done, with a warning to look at; 130 interrupted.";
@@ -32,6 +37,12 @@ enum Command {
     Run(run::Args),
     /// Table, figures and HTML report of a study: boundaries against experiment; computes what is missing
     Compare(compare::Args),
+    /// What a recording holds: reference quantities, motion, surface, steps
+    Info(info::Args),
+    /// Write a recording as tables, JSON, ParaView files, or first harmonics of the pressures
+    Export(export::Args),
+    /// What is wrong with a recording, and what can be saved
+    Doctor(doctor::Args),
     /// Print the JSON Schema of a kind of case file
     Schema {
         /// wing, structure, flutter, study or steady
@@ -54,6 +65,9 @@ fn run(command: Command) -> Result<Done, Stop> {
     match command {
         Command::Run(args) => run::run(&args),
         Command::Compare(args) => compare::run(&args),
+        Command::Info(args) => info::run(&args),
+        Command::Export(args) => export::run(&args),
+        Command::Doctor(args) => doctor::run(&args),
         Command::Schema { kind } => schema(&kind),
         Command::Completions { shell } => {
             options::completions(&mut Cli::command(), shell);

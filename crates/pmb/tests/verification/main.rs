@@ -4,6 +4,7 @@ mod flux;
 mod order;
 mod residual;
 mod steady;
+mod unsteady;
 
 /// A small generator of repeatable numbers in [-1, 1).
 pub struct Random(pub u64);

@@ -40,7 +40,7 @@ pub fn planar(cells: [usize; 2], conditions: [Condition; 4], at: impl Fn(f64, f6
 }
 
 /// Mean over a cell of a function of (x, z): two-point Gauss rule in each direction on the bilinear cell.
-fn cell_mean(block: &Block, i: usize, j: usize, f: &impl Fn([f64; 2]) -> State<f64>) -> State<f64> {
+pub fn cell_mean(block: &Block, i: usize, j: usize, f: &impl Fn([f64; 2]) -> State<f64>) -> State<f64> {
     let g = 0.5 / 3.0_f64.sqrt();
     let corner = |a: usize, b: usize| {
         let p = block.point(i + a, j + b, 0);
@@ -67,7 +67,7 @@ fn cell_mean(block: &Block, i: usize, j: usize, f: &impl Fn([f64; 2]) -> State<f
 }
 
 /// Exact states at the mid-points of the faces of a side.
-fn face_states(block: &Block, face: Face, f: &impl Fn([f64; 2]) -> State<f64>) -> Vec<State<f64>> {
+pub fn face_states(block: &Block, face: Face, f: &impl Fn([f64; 2]) -> State<f64>) -> Vec<State<f64>> {
     let n = block.face_cells(face)[0];
     (0..n)
         .map(|p| {
