@@ -50,7 +50,7 @@ fn text_of_the_turbulence_modeling_resource_opens() {
 fn cfl3d_grids_open_with_the_size_before_each_block() {
     let read = plot3d::read(&data("cfl3d.grd")).unwrap();
     assert_eq!(
-        read.blocks.iter().map(|b| b.cells()).collect::<Vec<_>>(),
+        read.blocks.iter().map(dip_grid::Block::cells).collect::<Vec<_>>(),
         [[4, 2, 1], [3, 2, 1]]
     );
     let layout = read.layout;
@@ -82,7 +82,7 @@ fn overflow_grids_open_with_iblank() {
     let read = plot3d::read(&data("overflow.in")).unwrap();
     assert!(read.layout.iblank && read.layout.multi && read.layout.double);
     assert_eq!(
-        read.blocks.iter().map(|b| b.nodes()).collect::<Vec<_>>(),
+        read.blocks.iter().map(dip_grid::Block::nodes).collect::<Vec<_>>(),
         [[3, 4, 5], [4, 3, 4]]
     );
     assert_eq!(read.blocks[1].point(3, 2, 3), [13.0, 2.0, 3.0]);

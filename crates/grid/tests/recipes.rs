@@ -22,7 +22,8 @@ fn every_shipped_recipe_makes_a_grid_with_positive_volumes() {
     assert!(all.len() >= 20, "{}", all.len());
     for path in all {
         let mut recipe = recipe::read(&path).unwrap();
-        if matches!(recipe.kind, Some(Kind::WingCh | Kind::WingOo)) && !path.ends_with("agard445_ch_euler.toml") {
+        let small = path.file_name().is_some_and(|n| n.to_string_lossy().contains("_euler"));
+        if matches!(recipe.kind, Some(Kind::WingCh | Kind::WingOo)) && !small {
             recipe.coarsen = Some(recipe.coarsen.unwrap_or(0).max(2));
         }
         let grid = recipe.make().unwrap_or_else(|e| panic!("{e}"));

@@ -253,10 +253,9 @@ fn range(node: &Node, dimensions: usize) -> Result<Range, String> {
         ));
     }
     let mut out = [[1; 3], [2; 3]];
-    for d in 0..dimensions {
-        out[0][d] = values[d];
-        out[1][d] = values[dimensions + d];
-    }
+    let (first, last) = values.split_at(dimensions);
+    out[0][..dimensions].copy_from_slice(first);
+    out[1][..dimensions].copy_from_slice(last);
     Ok(out)
 }
 

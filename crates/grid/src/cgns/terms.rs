@@ -146,10 +146,10 @@ mod tests {
                     // The determinant of the transform's matrix is the same hand on both sides: SIDS asks for a proper one
                     // where both blocks are right-handed; the inverse transform is the one from b to a.
                     let back = transform(b, a, o.inverse());
-                    for d in 0..3 {
-                        let e = (t[d].unsigned_abs() - 1) as usize;
+                    for (d, &to) in t.iter().enumerate() {
+                        let e = (to.unsigned_abs() - 1) as usize;
                         assert_eq!(back[e].unsigned_abs() as usize, d + 1);
-                        assert_eq!(back[e].signum(), t[d].signum());
+                        assert_eq!(back[e].signum(), to.signum());
                     }
                 }
             }

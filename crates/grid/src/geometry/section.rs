@@ -204,8 +204,8 @@ impl Section {
     fn close(&mut self) {
         let sum = self.point(1.0)[0] + self.point(-1.0)[0];
         let open = self.edge();
-        for d in 0..2 {
-            self.gap_taper[d] -= open[d] / sum;
+        for (taper, open) in self.gap_taper.iter_mut().zip(open) {
+            *taper -= open / sum;
         }
     }
 
