@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use dip_grid::quality::{self, names};
 use dip_grid::recipe::{self, Kind};
+use proptest::prelude::*;
 
 fn shipped() -> Vec<PathBuf> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../meshes");
@@ -58,5 +59,59 @@ fn agard_grids_have_sizes_close_to_the_thesis() {
         recipe.blocks = None;
         let made = recipe.make().unwrap().node_count() as f64;
         assert!((made / nodes - 1.0).abs() < 0.06, "{name}: {made}");
+    }
+}
+
+/// Small recipes of every kind; `@` stands for the folder of the shipped ones.
+const SMALL: [&str; 7] = [
+    "kind = \"aerofoil-c\"\n[section]\nnaca = \"2412\"\ntrailing_edge = \"blunt\"\n[cells]\nsurface = 12\nwake = 6\nnormal = 8\nbase = 2\n[spacing]\nwall = 0.01\nnose = 0.02\ntail = 0.03\nwake_growth = 1\ngrowth_limit = 9\n[extent]\nfar_field = 10\n",
+    "kind = \"aerofoil-o\"\n[section]\nnaca = \"0012\"\nchord = 2\ntrailing_edge = \"sharp\"\n[cells]\nsurface = 12\nnormal = 8\n[spacing]\nwall = 0.01\nnose = 0.02\ntail = 0.03\ngrowth_limit = 9\n[extent]\nfar_field = 10\n",
+    "kind = \"wing-ch\"\ncoarsen = 1\nblocks = 3\n[wing]\nfile = \"@/geometry/oneram6.toml\"\ntip_length = 0.02\n[cells]\nsurface = 8\nwake = 4\nnormal = 8\nspan = 6\noutboard = 4\n[spacing]\nwall = 0.002\nnose = 0.02\ntail = 0.03\nroot = 0.2\ntip = 0.01\ngrowth_limit = 9\n[extent]\nfar_field = 8\nexit = 10\n",
+    "kind = \"wing-oo\"\n[wing]\nfile = \"@/geometry/oneram6.toml\"\nnose_radius = 0.01\n[cells]\nsurface = 8\nnormal = 8\nspan = 6\n[spacing]\nwall = 0.002\nnose = 0.02\ntail = 0.03\nroot = 0.2\ntip = 0.01\ngrowth_limit = 9\n[extent]\nfar_field = 8\n",
+    "kind = \"bump\"\n[shape]\nlength = 1.5\nheight = 0.05\n[cells]\nupstream = 4\nsurface = 8\ndownstream = 4\nnormal = 6\n[spacing]\ny_plus = { value = 1, reynolds = 3e6, length = 1 }\nedge = 0.02\ngrowth_limit = 9\n[extent]\nupstream = 2\ndownstream = 2\nfar_field = 5\n",
+    "kind = \"ramp\"\n[shape]\nlength = 1\nangle = \"15 deg\"\n[cells]\nupstream = 4\nsurface = 8\nnormal = 6\n[spacing]\nwall = 0.01\nedge = 0.02\n[extent]\nupstream = 1\nfar_field = 1\n",
+    "kind = \"box\"\nblocks = 2\n[shape]\nfrom = [0, 0, 0]\nto = [1, 1, 1]\nwaviness = 0.05\nperiodic = [true, false, true]\n[cells]\nbox = [4, 4, 4]\n",
+];
+
+/// What may stand in the place of a number.
+const ODD: [&str; 16] = [
+    "0", "1", "2", "3", "7", "-1", "-0.5", "0.0", "1e-9", "1e-300", "1e300", "nan", "inf", "-inf", "99", "\"5 mm\"",
+];
+
+proptest! {
+    // More cases for a long search: DIP_FUZZ_CASES=100000.
+    #![proptest_config(ProptestConfig {
+        cases: std::env::var("DIP_FUZZ_CASES").ok().and_then(|n| n.parse().ok()).unwrap_or(60),
+        failure_persistence: None,
+        ..ProptestConfig::default()
+    })]
+
+    #[test]
+    fn damaged_recipes_never_panic(
+        which in 0..SMALL.len(),
+        changes in proptest::collection::vec((any::<prop::sample::Index>(), 0..ODD.len()), 1..4),
+        gone in proptest::option::of(any::<prop::sample::Index>()),
+    ) {
+        let meshes = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../meshes");
+        let mut lines: Vec<String> =
+            SMALL[which].replace('@', &meshes.to_string_lossy()).lines().map(str::to_owned).collect();
+        for (at, odd) in changes {
+            let n = at.index(lines.len());
+            if let Some((key, value)) = lines[n].split_once(" = ")
+                && value.parse::<f64>().is_ok()
+            {
+                lines[n] = format!("{key} = {}", ODD[odd]);
+            }
+        }
+        if let Some(at) = gone {
+            lines.remove(at.index(lines.len()));
+        }
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("r.toml");
+        std::fs::write(&path, lines.join("\n")).unwrap();
+        // A grid or an error; a grid's numbers are numbers, or the check says so.
+        if let Ok(grid) = recipe::make(&path) {
+            let _ = quality::check(&grid);
+        }
     }
 }
