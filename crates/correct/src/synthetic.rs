@@ -9,8 +9,8 @@ use dip_dlm::c64;
 use dip_dlm::lattice::PlaneSymmetry;
 use dip_dlm::motion::BoxMotion;
 use dip_record::{
-    Convergence, CoordinateKind, Harmonic, Law, Loads, MotionCoordinate, Provenance, Recording,
-    References, Setup, Step, StructuralMode, SurfaceGrid, SurfacePatch,
+    Convergence, CoordinateKind, Harmonic, Law, Loads, MotionCoordinate, Provenance, Recording, References, Setup,
+    Step, StructuralMode, SurfaceGrid, SurfacePatch,
 };
 
 /// What is recorded.
