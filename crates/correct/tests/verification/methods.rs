@@ -356,7 +356,7 @@ fn results_do_not_depend_on_threads() {
             .build()
             .unwrap()
             .install(|| {
-                run(&wing, &[recording.clone()], &NOT_FULL)
+                run(&wing, std::slice::from_ref(&recording), &NOT_FULL)
                     .methods
                     .into_iter()
                     .map(|m| m.q)
