@@ -35,7 +35,7 @@ pub fn read(path: &Path) -> Result<Read, CgnsError> {
 
 /// Reads the grid from the bytes of a CGNS file; `file` names it in messages.
 /// # Errors
-/// As [`read`]; a link to another file is an error.
+/// As [`read()`]; a link to another file is an error.
 pub fn parse(file: &str, bytes: Vec<u8>) -> Result<Read, CgnsError> {
     tree(file, bytes, None)
 }

@@ -25,7 +25,7 @@ pub fn write(path: &Path, grid: &MultiBlock) -> Result<(), CgnsError> {
     })
 }
 
-/// The bytes of [`write`].
+/// The bytes of [`write()`].
 #[must_use]
 pub fn encode(grid: &MultiBlock) -> Vec<u8> {
     let names = zone_names(grid);
