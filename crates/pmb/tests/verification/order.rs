@@ -158,6 +158,28 @@ fn vortex_grid(n: usize, conditions: [Condition; 4]) -> MultiBlock {
     })
 }
 
+/// With face states from the mean of two differences (kappa = 0) the error on a smooth grid is `a h^2 + b h^3`: a small
+/// dispersive term and a dissipative one, which is the larger of the two on coarse grids and makes the order between two
+/// grids come down to 2 from above. Returns `a`, and the ratio of successive differences of `error / h^2`, which is 2 if
+/// this law holds, from the errors on `finest/4`, `finest/2` and `finest` cells a side.
+fn second_order_part(errors: [f64; 3], finest: f64) -> [f64; 2] {
+    let [c0, c1, c2] = [4.0, 2.0, 1.0].map(|m| (finest / m) * (finest / m));
+    let [c0, c1, c2] = [errors[0] * c0, errors[1] * c1, errors[2] * c2];
+    [2.0 * c2 - c1, (c0 - c1) / (c1 - c2)]
+}
+
+#[test]
+fn orders_come_down_to_two_from_above() {
+    use Condition::FarField as Given;
+    let errors = [24, 48, 96].map(|n| error(&vortex_grid(n, [Given; 4]), Reconstruction::Unlimited, vortex));
+    let orders = orders(&errors);
+    let [a, ratio] = second_order_part(errors, 96.0);
+    println!("vortex to 96 cells: {errors:?} orders {orders:.3?}, a = {a:.4}, ratio {ratio:.3}");
+    assert!(orders[0] > orders[1] && orders[1] > 2.0, "{errors:?} {orders:?}");
+    assert!(a > 0.5 * errors[2] * 96.0 * 96.0, "second-order part {a}");
+    assert!((1.7..2.4).contains(&ratio), "successive differences {ratio}");
+}
+
 #[test]
 fn vortex_is_second_order_on_a_deformed_grid() {
     use Condition::FarField as Given;
