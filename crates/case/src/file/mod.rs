@@ -3,6 +3,7 @@
 mod correct;
 mod flutter;
 mod mesh;
+mod pitch;
 mod steady;
 mod structure;
 mod study;
@@ -14,6 +15,7 @@ pub use flutter::{
     Points, ReferenceTable, Search, SplineKind, SplineTable, SurfaceTable, Symmetry,
 };
 pub use mesh::MeshTable;
+pub use pitch::{Amount, HarmonicTable, MotionKind, MotionLaw, MotionTable, PitchFile, TimeSchemeKind, TimeTable};
 pub use steady::{
     CutsTable, FarFieldKind, FlowModel, FlowTable, LoadReferenceTable, PatchTable, ReconstructionKind, SteadyFile,
     SteadyTable,
@@ -33,5 +35,6 @@ pub fn schemas() -> Vec<(&'static str, schemars::Schema)> {
         ("flutter", schemars::schema_for!(FlutterFile)),
         ("study", schemars::schema_for!(StudyFile)),
         ("steady", schemars::schema_for!(SteadyFile)),
+        ("pitch", schemars::schema_for!(PitchFile)),
     ]
 }

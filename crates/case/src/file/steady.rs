@@ -70,6 +70,8 @@ pub struct LoadReferenceTable {
     pub moment_point: Option<[Length; 3]>,
     /// Distance from root to tip, for cuts given as fractions of it.
     pub semispan: Option<Length>,
+    /// Semichord b of the reduced frequency k = omega b / U of unsteady runs; half of `chord` if left out.
+    pub semichord: Option<Length>,
 }
 
 /// The solution method. The defaults suit every case.

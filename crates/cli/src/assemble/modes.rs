@@ -52,6 +52,17 @@ pub fn modes(document: &Document, file: &FlutterFile) -> Result<Structure, Stop>
         let help = "add [modes] with structure = \"structure.toml\", or with file and frequencies";
         return Err(document.error("", "missing table [modes]", help).into());
     };
+    let solved = from_table(document, table)?;
+    let wing = Wing::read(&Document::read(&document.path(&file.wing), &[])?)?;
+    check_on_wing(document, table, &wing, &solved.modes)?;
+    Ok(solved)
+}
+
+/// The modes that a `[modes]` table names.
+///
+/// # Errors
+/// What is wrong in it, or in the structure or the table that it names.
+pub fn from_table(document: &Document, table: &ModesTable) -> Result<Structure, Stop> {
     let mut solved = match (&table.structure, &table.file) {
         (Some(path), None) => {
             for (key, given) in [
@@ -114,8 +125,6 @@ pub fn modes(document: &Document, file: &FlutterFile) -> Result<Structure, Stop>
         modes.generalized_mass.truncate(count);
         modes.residual.truncate(count);
     }
-    let wing = Wing::read(&Document::read(&document.path(&file.wing), &[])?)?;
-    check_on_wing(document, table, &wing, &solved.modes)?;
     Ok(solved)
 }
 

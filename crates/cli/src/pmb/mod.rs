@@ -1,6 +1,9 @@
 //! The `pmb` program: grids and the flow.
 
+mod check_jacobian;
 mod mesh;
+pub mod pitch;
+mod residual;
 mod steady;
 
 use crate::exit::{Done, Stop, finish};
@@ -23,6 +26,7 @@ const EXAMPLES: &str = "Examples:
   pmb steady cases/naca0012/steady.toml
   pmb steady cases/agard445/steady.toml --set flow.mach=0.678 --out runs/agard-M0678
   pmb steady cases/agard445/steady.toml --resume
+  pmb pitch cases/agard445/pitch.toml
 
 Exit codes: 0 done; 1 failed; 2 bad arguments or input; 3 done, with a warning to look at; 130 interrupted.";
 
@@ -32,6 +36,12 @@ enum Command {
     Mesh(mesh::Args),
     /// Steady flow: forces, pressure cuts, history, restart file
     Steady(steady::Args),
+    /// Unsteady flow with prescribed motion: pitch, plunge, a mode, a control surface; recording and first harmonics
+    Pitch(pitch::Args),
+    /// For developers: the assembled Jacobian against differences of the residual
+    CheckJacobian(check_jacobian::Args),
+    /// For developers: norms and worst cells of the residual of a case or its restart file
+    Residual(residual::Args),
     /// Print the completions of a shell
     #[command(hide = true)]
     Completions {
@@ -49,6 +59,9 @@ fn run(command: Command) -> Result<Done, Stop> {
     match command {
         Command::Mesh(args) => mesh::run(&args),
         Command::Steady(args) => steady::run(&args),
+        Command::Pitch(args) => pitch::run(&args),
+        Command::CheckJacobian(args) => check_jacobian::run(&args),
+        Command::Residual(args) => residual::run(&args),
         Command::Completions { shell } => {
             options::completions(&mut Cli::command(), shell);
             Ok(Done::Clean)

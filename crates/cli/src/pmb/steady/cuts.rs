@@ -5,8 +5,7 @@ use dip_case::Document;
 use dip_case::file::SteadyFile;
 use dip_case::table::Table;
 use dip_grid::MultiBlock;
-use dip_pmb::loads;
-use dip_pmb::steady::SteadyResult;
+use dip_pmb::loads::{self, WallPatch};
 
 /// A station asked for.
 #[derive(Debug, Clone)]
@@ -109,12 +108,12 @@ pub fn measured(document: &Document, file: &SteadyFile) -> Result<Vec<Measured>,
 }
 
 /// Cuts the walls at the stations; on a two-dimensional grid there is one cut.
-pub fn make(stations: &[Station], grid: &MultiBlock, result: &SteadyResult) -> Vec<Cut> {
-    if result.walls.is_empty() {
+pub fn make(stations: &[Station], grid: &MultiBlock, walls: &[WallPatch]) -> Vec<Cut> {
+    if walls.is_empty() {
         return Vec::new();
     }
-    if result.planar {
-        return vec![one("section".to_owned(), None, grid, result)];
+    if grid.is_two_dimensional() {
+        return vec![one("section".to_owned(), None, grid, walls)];
     }
     stations
         .iter()
@@ -123,14 +122,14 @@ pub fn make(stations: &[Station], grid: &MultiBlock, result: &SteadyResult) -> V
                 Some(eta) => format!("η = {eta:.3}, y = {:.4} m", station.y_m),
                 None => format!("y = {:.4} m", station.y_m),
             };
-            one(label, Some(station.clone()), grid, result)
+            one(label, Some(station.clone()), grid, walls)
         })
         .collect()
 }
 
-fn one(label: String, station: Option<Station>, grid: &MultiBlock, result: &SteadyResult) -> Cut {
+fn one(label: String, station: Option<Station>, grid: &MultiBlock, walls: &[WallPatch]) -> Cut {
     let y = station.as_ref().map(|s| s.y_m);
-    let cut = loads::cut(&result.walls, y.unwrap_or(0.0), result.planar);
+    let cut = loads::cut(walls, y.unwrap_or(0.0), grid.is_two_dimensional());
     let [nose, tail] = chord(grid, y);
     let points = |side: &[[f64; 3]]| -> Vec<[f64; 4]> {
         side.iter()

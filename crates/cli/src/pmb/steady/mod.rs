@@ -1,8 +1,8 @@
 //! `pmb steady`: steady flow.
 
-mod cuts;
+pub(in crate::pmb) mod cuts;
 mod files;
-mod watch;
+pub(in crate::pmb) mod watch;
 
 use crate::assemble::{flow, grid};
 use crate::exit::{Done, Stop};
@@ -20,7 +20,7 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 /// The restart file.
-const RESTART: &str = "restart.pmb";
+pub(super) const RESTART: &str = "restart.pmb";
 
 /// Steady flow: forces, pressure cuts, history, restart file.
 #[derive(Debug, clap::Args)]
@@ -134,7 +134,7 @@ pub fn run(args: &Args) -> Result<Done, Stop> {
     stages.push(("flow".to_owned(), timer.seconds()));
 
     let timer = Timer::start();
-    let cuts = cuts::make(&etas, &mesh.grid, &result);
+    let cuts = cuts::make(&etas, &mesh.grid, &result.walls);
     files::write(&folder, &settings, &result, &cuts, &measured)?;
     if file.steady.paraview.unwrap_or(true) {
         files::write_flow(&folder, &settings.flow, &mesh.grid, &result)?;

@@ -57,10 +57,23 @@ impl Watch {
         }
     }
 
-    fn interrupt(&self) {
+    /// Looks whether the user asked to stop.
+    pub fn interrupt(&self) {
         if check_interrupt("").is_err() {
             self.cancel.store(true, Ordering::Relaxed);
         }
+    }
+}
+
+impl Watch {
+    /// Shows a line with the part done on a terminal; false where there is none.
+    pub fn show(&mut self, part: f64, line: &str) -> bool {
+        if self.bar.is_hidden() {
+            return false;
+        }
+        self.bar.set_position((1000.0 * part.clamp(0.0, 1.0)) as u64);
+        self.bar.set_message(line.to_owned());
+        true
     }
 }
 

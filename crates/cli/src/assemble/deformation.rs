@@ -1,0 +1,75 @@
+//! From shapes on the wall to displacements of every node of a grid.
+
+use crate::exit::Stop;
+use dip_grid::MultiBlock;
+use dip_modal::{Attachment, GridModes, Modes, MovingWall, StructuralSurface, Transfer, TransferCheck};
+use dip_pmb::moving::Nodes;
+use nalgebra::Vector3;
+
+/// Modes on a grid.
+#[derive(Debug)]
+pub struct Deformation {
+    /// Displacement of every node of the grid for a unit of each generalized coordinate, m, `[mode]`.
+    pub fields: Vec<Nodes>,
+    /// What the inspection of the transfer found; none for shapes that no structure gave.
+    pub check: Option<TransferCheck>,
+}
+
+/// Carries the first `count` modes of a structure to the wall (constant volume tetrahedra) and from there to the grid
+/// (transfinite blending).
+///
+/// # Errors
+/// What the transfer or the deformation refuses.
+pub fn of_modes(grid: &MultiBlock, modes: &Modes, count: usize) -> Result<Deformation, Stop> {
+    let wall = moving_wall(grid)?;
+    let refuse = |e: &dyn std::fmt::Display| {
+        Stop::input(
+            format!("transfer from the structure to the wall: {e}"),
+            "check that structure and grid have the same axes and length unit",
+        )
+    };
+    let surface = StructuralSurface::of_modes(modes).map_err(|e| refuse(&e))?;
+    let transfer = Transfer::new(&surface, &wall.points(), Attachment::default()).map_err(|e| refuse(&e))?;
+    let check = transfer.check();
+    let mut shapes = transfer.modes(modes).map_err(|e| refuse(&e))?;
+    shapes.truncate(count);
+    let fields = spread(grid, &wall, &shapes)?;
+    Ok(Deformation {
+        fields,
+        check: Some(check),
+    })
+}
+
+/// Carries one shape, given as the displacement of a wall point, to the grid.
+///
+/// # Errors
+/// As [`of_modes`].
+pub fn of_shape(grid: &MultiBlock, shape: impl Fn(Vector3<f64>) -> Vector3<f64>) -> Result<Deformation, Stop> {
+    let wall = moving_wall(grid)?;
+    let shape = wall.points().into_iter().map(shape).collect();
+    let fields = spread(grid, &wall, &[shape])?;
+    Ok(Deformation { fields, check: None })
+}
+
+fn moving_wall(grid: &MultiBlock) -> Result<MovingWall, Stop> {
+    MovingWall::new(grid, |p| p.condition.is_wall()).map_err(|e| {
+        Stop::input(
+            format!("no wall to move: {e}"),
+            "give the body's patch the condition `wall`",
+        )
+    })
+}
+
+fn spread(grid: &MultiBlock, wall: &MovingWall, shapes: &[Vec<Vector3<f64>>]) -> Result<Vec<Nodes>, Stop> {
+    let modes = GridModes::new(grid, wall, shapes, None).map_err(|e| {
+        Stop::input(
+            format!("deformation of the grid: {e}"),
+            "look at the grid by `pmb mesh check`",
+        )
+    })?;
+    Ok((0..modes.count())
+        .map(|m| Nodes {
+            blocks: (0..grid.blocks.len()).map(|b| modes.field(m, b).clone()).collect(),
+        })
+        .collect())
+}
