@@ -2,6 +2,7 @@
 
 mod commands {
     pub mod bad_input;
+    pub mod correct;
     pub mod deck;
     pub mod flutter;
     pub mod mesh;

@@ -6,7 +6,7 @@ pub mod figures;
 
 use crate::assemble::modes as make_modes;
 use crate::exit::Stop;
-use crate::frequency::{FlutterCase, FlutterRow, Generalized};
+use crate::frequency::{FlutterCase, FlutterRow};
 use crate::progress::{Seconds, Timer, check_interrupt};
 use crate::stamp::Fingerprint;
 use dip_case::Document;
@@ -52,6 +52,9 @@ pub struct CorrectedRow {
     /// What the correction rests on at the flutter point's reduced frequency.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub rests_on: Option<Place>,
+    /// Part of the correction that is left there: 1 up to the highest recorded reduced frequency, 0 where the lattice is linear.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub correction_strength: Option<f64>,
     /// Flutter speed over the uncorrected one of the same method, less 1.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub speed_change: Option<f64>,
@@ -199,7 +202,11 @@ impl CorrectionCase {
         let Some(flutter) = &case.file.flutter else {
             return Err(case
                 .document
-                .error("", "missing table [flutter]", "add [flutter] with methods and densities")
+                .error(
+                    "",
+                    "missing table [flutter]",
+                    "add [flutter] with methods and densities",
+                )
                 .into());
         };
         let groups = self.by_mach()?;
@@ -216,7 +223,16 @@ impl CorrectionCase {
         for (index, list) in groups {
             check_interrupt("nothing yet: a correction is quick to do again")?;
             let mach = case.file.lattice.mach[index];
-            machs.push(self.at_mach(index, &list, &aerodynamics, &motion, &generalized, flutter, &damped, &mut begin, &mut stages)?);
+            machs.push(self.at_mach(
+                index,
+                &list,
+                &aerodynamics,
+                &motion,
+                flutter,
+                &damped,
+                &mut begin,
+                &mut stages,
+            )?);
             tracing::debug!("Mach {mach} done");
         }
         let mut notes = Vec::new();
@@ -230,6 +246,27 @@ impl CorrectionCase {
             .collect();
         if !missing.is_empty() {
             notes.push(format!("no recordings at Mach {}: left out", missing.join(", ")));
+        }
+        for s in machs
+            .iter()
+            .flat_map(|m| &m.solutions)
+            .filter(|s| s.solution.method == first_method(flutter))
+        {
+            let r = &s.row;
+            let (Some(place @ (Place::Below | Place::Blended)), Some(k)) = (r.rests_on, r.row.reduced_frequency) else {
+                continue;
+            };
+            let words = match place {
+                Place::Below => "below the lowest recorded one, whose weights are held".to_owned(),
+                _ => format!(
+                    "beyond the highest recorded one: {:.0} % of the correction is left",
+                    100.0 * r.correction_strength.unwrap_or(0.0)
+                ),
+            };
+            notes.push(format!(
+                "Mach {}, {}: k = {k:.4} at flutter is {words}",
+                r.row.mach, r.correction
+            ));
         }
         for m in &machs {
             for c in &m.correction.methods {
@@ -257,7 +294,6 @@ impl CorrectionCase {
         list: &[usize],
         aerodynamics: &Aerodynamics,
         motion: &BoxMotion,
-        generalized: &Generalized,
         flutter: &FlutterTable,
         damped: &fl::Structure,
         begin: &mut impl FnMut(&str),
@@ -265,7 +301,6 @@ impl CorrectionCase {
     ) -> Result<MachCorrection, Stop> {
         let case = &self.flutter;
         let mach = case.file.lattice.mach[index];
-        let _ = generalized;
         begin(&format!("harmonics and boxes, Mach {mach}"));
         let timer = Timer::start();
         let k = case.reduced_frequencies();
@@ -278,8 +313,12 @@ impl CorrectionCase {
         for &i in list {
             let (path, recording) = &self.recordings[i];
             let label = name(path);
-            bridge::check_match(recording, &label, aerodynamics, mach)
-                .map_err(|e| Stop::input(e.to_string(), "correct the case, or give a recording that belongs to it"))?;
+            bridge::check_match(recording, &label, aerodynamics, mach).map_err(|e| {
+                Stop::input(
+                    e.to_string(),
+                    "correct the case, or give a recording that belongs to it",
+                )
+            })?;
             let of = read(recording, &label, &settings)
                 .map_err(|e| Stop::input(e.to_string(), "look at the recording with `dip info` and `dip doctor`"))?;
             if let Some(axis) = &self.table.axis {
@@ -298,10 +337,23 @@ impl CorrectionCase {
         let timer = Timer::start();
         let methods: Vec<Method> = self.table.methods.iter().map(|m| method(*m)).collect();
         let correction = apply::correct(aerodynamics, motion, mach, &k, &references, &methods, self.settings())
-            .map_err(|e| Stop::input(format!("Mach {mach}: {e}"), "change correct.methods, or record what is missing"))?;
+            .map_err(|e| {
+                Stop::input(
+                    format!("Mach {mach}: {e}"),
+                    "change correct.methods, or record what is missing",
+                )
+            })?;
         let limits = audit::Limits::default();
-        let audit = audit::audit(aerodynamics, mach, &references, &mapped, &correction, self.rule(), &limits)
-            .map_err(|e| Stop::failed(format!("audit at Mach {mach}: {e}"), "check the lattice"))?;
+        let audit = audit::audit(
+            aerodynamics,
+            mach,
+            &references,
+            &mapped,
+            &correction,
+            self.rule(),
+            &limits,
+        )
+        .map_err(|e| Stop::failed(format!("audit at Mach {mach}: {e}"), "check the lattice"))?;
         let phases = correction.recordings.iter().map(|at| {
             let strips = audit::strip_phases(aerodynamics, &at.recorded, &at.linear);
             (at.k, strips)
@@ -352,13 +404,14 @@ impl CorrectionCase {
                 row.cpu_s = row.time_s;
                 let k = row.reduced_frequency;
                 let rests_on = corrected.and_then(|c| k.map(|k| resting(c, correction, k)));
-                if let (Some(place @ (Place::Blended | Place::Linear)), Some(k)) = (rests_on, k) {
-                    let words = match place {
-                        Place::Blended => "where the correction fades into the linear lattice",
-                        _ => "where the lattice is linear",
-                    };
+                let strength = rests_on.zip(k).map(|(place, k)| match place {
+                    Place::Blended | Place::Linear => correction.schedule.strength(k),
+                    Place::Recorded | Place::Below => 1.0,
+                });
+                if let (Some(strength), Some(k)) = (strength.filter(|s| *s < FADED), k) {
                     row.warnings.push(format!(
-                        "the flutter point's reduced frequency {k:.4} lies beyond the recordings, {words}: record one at or above it"
+                        "the flutter point's reduced frequency {k:.4} lies far beyond the recordings: {:.0} % of the correction is left there; record one at or above it",
+                        100.0 * strength
                     ));
                 }
                 Ok(CorrectedSolution {
@@ -366,6 +419,7 @@ impl CorrectionCase {
                         correction: corrected.map_or("none", |c| c.method.name()),
                         row,
                         rests_on,
+                        correction_strength: strength,
                         speed_change: None,
                     },
                     solution,
@@ -375,7 +429,12 @@ impl CorrectionCase {
         let n = flutter.methods.len();
         let linear: Vec<Option<f64>> = solved.iter().take(n).map(|s| s.row.row.flutter_speed_m_s).collect();
         for (i, s) in solved.iter_mut().enumerate().skip(n) {
-            s.row.speed_change = s.row.row.flutter_speed_m_s.zip(linear[i % n]).map(|(own, linear)| own / linear - 1.0);
+            s.row.speed_change = s
+                .row
+                .row
+                .flutter_speed_m_s
+                .zip(linear[i % n])
+                .map(|(own, linear)| own / linear - 1.0);
         }
         Ok(solved)
     }
@@ -391,9 +450,15 @@ impl CorrectionCase {
     }
 }
 
+/// Part of the correction below which a flutter point is a warning and no longer a note.
+const FADED: f64 = 0.75;
+
 /// What a correction rests on at `k`: the least informed of the tabulated frequencies on both sides.
 fn resting(corrected: &Corrected, correction: &Correction, k: f64) -> Place {
-    let above = correction.k.partition_point(|x| *x < k).min(corrected.place.len().saturating_sub(1));
+    let above = correction
+        .k
+        .partition_point(|x| *x < k)
+        .min(corrected.place.len().saturating_sub(1));
     if corrected.method.is_steady() {
         return Place::Recorded;
     }
@@ -402,6 +467,14 @@ fn resting(corrected: &Corrected, correction: &Correction, k: f64) -> Place {
         Method::Mode | Method::Full => corrected.place.get(above).copied().unwrap_or(schedule),
         _ => schedule,
     }
+}
+
+/// The flutter method that notes and pictures go by.
+fn first_method(flutter: &FlutterTable) -> fl::Method {
+    flutter
+        .methods
+        .first()
+        .map_or(fl::Method::Pk, |m| crate::frequency::solver(*m))
 }
 
 /// Last part of a path, for messages.
@@ -413,7 +486,10 @@ fn name(path: &Path) -> String {
 fn unusable(path: &Path, error: &RecordError) -> Stop {
     Stop::input(
         error.to_string(),
-        format!("`dip doctor {}` says what is wrong and what can be saved", path.display()),
+        format!(
+            "`dip doctor {}` says what is wrong and what can be saved",
+            path.display()
+        ),
     )
 }
 
@@ -427,20 +503,36 @@ fn check(document: &Document, table: &CorrectTable) -> Result<(), Stop> {
     }
     for (i, m) in table.methods.iter().enumerate() {
         if table.methods[..i].contains(m) {
-            return wrong(&format!("methods.{i}"), "this method stands twice".into(), "leave one of them out");
+            return wrong(
+                &format!("methods.{i}"),
+                "this method stands twice".into(),
+                "leave one of them out",
+            );
         }
     }
     if !(0.0..=1.0).contains(&table.point) {
-        return wrong("point", format!("{}: needed 0 to 1", table.point), "0.75 is the thesis's point");
+        return wrong(
+            "point",
+            format!("{}: needed 0 to 1", table.point),
+            "0.75 is the thesis's point",
+        );
     }
     if table.harmonics == 0 || table.harmonics > 20 {
-        return wrong("harmonics", format!("{}: needed 1 to 20", table.harmonics), "3 shows what is not linear");
+        return wrong(
+            "harmonics",
+            format!("{}: needed 1 to 20", table.harmonics),
+            "3 shows what is not linear",
+        );
     }
     if !(table.bound.is_finite() && table.bound > 0.0) {
         return wrong("bound", format!("{}: needed above 0", table.bound), "10 is the default");
     }
     if !(0.0..1.0).contains(&table.least) {
-        return wrong("least", format!("{}: needed 0 or more and below 1", table.least), "0.02 is the default");
+        return wrong(
+            "least",
+            format!("{}: needed 0 or more and below 1", table.least),
+            "0.02 is the default",
+        );
     }
     if !(table.blend.is_finite() && table.blend > 1.0) {
         return wrong("blend", format!("{}: needed above 1", table.blend), "2 is the default");

@@ -121,7 +121,11 @@ pub fn run(args: &Args) -> Result<Done, Stop> {
     });
     bar.finish_and_clear();
     let results = results?;
-    let rows: Vec<&CorrectedRow> = results.machs.iter().flat_map(|m| m.solutions.iter().map(|s| &s.row)).collect();
+    let rows: Vec<&CorrectedRow> = results
+        .machs
+        .iter()
+        .flat_map(|m| m.solutions.iter().map(|s| &s.row))
+        .collect();
     let audit_failed = results.machs.iter().any(|m| m.audit.failed());
     let mut warnings = Vec::new();
     for m in &results.machs {
@@ -205,21 +209,26 @@ fn mach_summary<'a>(m: &'a MachCorrection, results: &CorrectionResults) -> MachS
             pitching_moment_m3: [-moment.re, -moment.im],
         }
     });
-    let weights = m.correction.recordings.iter().zip(&m.phases).map(|(at, (_, phases))| WeightSummary {
-        reduced_frequency: at.k,
-        downwash: at.weight.ratio.iter().map(|w| [w.re, w.im]).collect(),
-        not_ratio: [
-            ("downwash", &at.weight),
-            ("pressure-ratio", &at.pressure),
-            ("force", &at.force),
-            ("additive", &at.gain),
-        ]
-        .into_iter()
-        .flat_map(|(weight, diagonal)| treated(weight, diagonal))
-        .collect(),
-        section_lift: phases.clone(),
-        condition: at.condition,
-    });
+    let weights = m
+        .correction
+        .recordings
+        .iter()
+        .zip(&m.phases)
+        .map(|(at, (_, phases))| WeightSummary {
+            reduced_frequency: at.k,
+            downwash: at.weight.ratio.iter().map(|w| [w.re, w.im]).collect(),
+            not_ratio: [
+                ("downwash", &at.weight),
+                ("pressure-ratio", &at.pressure),
+                ("force", &at.force),
+                ("additive", &at.gain),
+            ]
+            .into_iter()
+            .flat_map(|(weight, diagonal)| treated(weight, diagonal))
+            .collect(),
+            section_lift: phases.clone(),
+            condition: at.condition,
+        });
     let forces = std::iter::once(("none", &m.correction.linear))
         .chain(m.correction.methods.iter().map(|c| (c.method.name(), &c.q)))
         .map(|(correction, q)| ForcesSummary {
@@ -358,7 +367,8 @@ fn write_files(
     for drawn in figures::all(results)? {
         let svg = drawn.figure.svg(drawn.size.0, drawn.size.1).map_err(|e| drawing(&e))?;
         folder.write(&drawn.file, svg.as_bytes())?;
-        pictures.push(Block::figure(&drawn.figure, drawn.size.0, drawn.size.1, drawn.caption).map_err(|e| drawing(&e))?);
+        pictures
+            .push(Block::figure(&drawn.figure, drawn.size.0, drawn.size.1, drawn.caption).map_err(|e| drawing(&e))?);
     }
     let page = Page::new("Correction of the doublet lattice")
         .stamp("version", &stamp.version)

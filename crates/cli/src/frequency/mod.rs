@@ -384,13 +384,7 @@ impl FlutterCase {
                 altitudes_m: &altitudes,
             },
         };
-        let method = match method {
-            Method::K => fl::Method::K,
-            Method::Ke => fl::Method::Ke,
-            Method::Pk => fl::Method::Pk,
-            Method::PkBritish => fl::Method::PkHassig,
-            Method::G => fl::Method::G,
-        };
+        let method = solver(method);
         fl::solve(&problem, method, &sweep, &settings).map_err(|e| {
             Stop::failed(
                 format!("{} at Mach {mach}: {e}", method.name()),
@@ -399,7 +393,13 @@ impl FlutterCase {
         })
     }
 
-    pub(crate) fn row(&self, table: &FlutterTable, method: Method, i: usize, solution: &fl::FlutterSolution) -> FlutterRow {
+    pub(crate) fn row(
+        &self,
+        table: &FlutterTable,
+        method: Method,
+        i: usize,
+        solution: &fl::FlutterSolution,
+    ) -> FlutterRow {
         let mach = self.file.lattice.mach[i];
         let flutter = solution.flutter();
         let mut warnings = Vec::new();
@@ -456,6 +456,17 @@ impl FlutterCase {
 pub struct Generalized {
     mass: Vec<f64>,
     omega_rad_s: Vec<f64>,
+}
+
+/// The solver's method of a case's.
+pub(crate) fn solver(method: Method) -> fl::Method {
+    match method {
+        Method::K => fl::Method::K,
+        Method::Ke => fl::Method::Ke,
+        Method::Pk => fl::Method::Pk,
+        Method::PkBritish => fl::Method::PkHassig,
+        Method::G => fl::Method::G,
+    }
 }
 
 /// Speeds of the sweep, rising.
