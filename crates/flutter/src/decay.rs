@@ -13,12 +13,14 @@
 
 mod projection;
 mod subspace;
+mod watch;
 
 use faer::c64;
 
 use crate::error::{FlutterError, Result, check_value};
 use projection::Projection;
 use subspace::subspace;
+pub use watch::{Reading, Watch, WatchSettings, WatchedMode};
 
 /// How a record is analysed. The defaults suit a march of one to ten cycles.
 #[derive(Debug, Clone, PartialEq)]

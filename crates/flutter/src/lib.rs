@@ -34,6 +34,7 @@ mod linear;
 mod matched;
 mod p_method;
 mod problem;
+pub mod search;
 mod solution;
 mod solve;
 mod structure;

@@ -47,6 +47,14 @@ impl Stream {
         0.5 * self.density_kg_m3 * self.speed_m_s * self.speed_m_s
     }
 
+    /// Generalized forces of wall pressures, `[mode]`, N m for shapes in metres: sum over faces of pressure times area
+    /// times displacement. `faces`: displacement of the face centres for a unit of each coordinate, in the grid's unit,
+    /// `[mode][patch][face]`.
+    #[must_use]
+    pub fn generalized_forces(&self, walls: &[WallPatch], faces: &[Vec<Vec<[f64; 3]>>]) -> Vec<f64> {
+        generalized_forces(walls, faces, self.dynamic_pressure_pa() * self.length_m.powi(3))
+    }
+
     /// Non-dimensional time of a step of `seconds`.
     #[must_use]
     pub fn time(&self, seconds: f64) -> f64 {
@@ -185,11 +193,7 @@ impl Coupled {
     /// times displacement.
     #[must_use]
     pub fn forces(&self) -> Vec<f64> {
-        generalized_forces(
-            &self.walls(),
-            &self.faces,
-            self.stream.dynamic_pressure_pa() * self.stream.length_m.powi(3),
-        )
+        self.stream.generalized_forces(&self.walls(), &self.faces)
     }
 
     /// Walls where they are now, with their pressure.

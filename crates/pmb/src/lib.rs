@@ -20,6 +20,7 @@ pub mod gas;
 pub mod jacobian;
 pub mod level;
 pub mod loads;
+pub mod march;
 pub mod motion;
 pub mod moving;
 pub mod observer;

@@ -1,0 +1,208 @@
+//! Damping while a march runs: read from time to time, until it is known well enough.
+
+use faer::c64;
+
+use super::{DecayFit, DecaySettings, identify};
+use crate::error::{Result, check_value};
+
+/// When and how a running march is read.
+#[derive(Debug, Clone, PartialEq)]
+pub struct WatchSettings {
+    /// Time between samples, s.
+    pub dt_s: f64,
+    /// Natural circular frequency of each coordinate, rad/s: its potential energy is `mass omega^2 q^2 / 2`.
+    pub omega_rad_s: Vec<f64>,
+    /// Generalized mass of each coordinate, kg.
+    pub mass_kg: Vec<f64>,
+    /// Samples at the beginning that are left out (the flow's answer to a sudden start).
+    pub skip: usize,
+    /// Samples from one reading to the next.
+    pub every: usize,
+    /// Cycles of the least stable mode that a record must hold.
+    pub least_cycles: f64,
+    /// Accuracy of g: its standard error, and its change from reading to reading, must be below this,
+    pub accuracy: f64,
+    /// or below this part of g, where that is more.
+    pub relative: f64,
+    /// Part of the record's energy that a mode must hold to count.
+    pub least_energy: f64,
+    /// The fit.
+    pub decay: DecaySettings,
+}
+
+impl WatchSettings {
+    /// Usual settings for modes of these frequencies and masses, sampled every `dt_s` seconds.
+    #[must_use]
+    pub fn new(dt_s: f64, omega_rad_s: Vec<f64>, mass_kg: Vec<f64>) -> Self {
+        Self {
+            dt_s,
+            omega_rad_s,
+            mass_kg,
+            skip: 4,
+            every: 5,
+            least_cycles: 1.25,
+            accuracy: 0.002,
+            relative: 0.1,
+            least_energy: 0.01,
+            decay: DecaySettings::default(),
+        }
+    }
+}
+
+/// A mode as a reading sees it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct WatchedMode {
+    /// p = sigma + i omega, rad/s.
+    pub p_rad_s: c64,
+    /// Frequency, Hz.
+    pub freq_hz: f64,
+    /// g = 2 sigma / omega, positive growing.
+    pub g: f64,
+    /// Standard error of g: the fit's, or half its change since the last reading where that is more.
+    pub g_error: f64,
+    /// Part of the record's mean energy.
+    pub energy: f64,
+    /// Complex amplitude of each coordinate at the first sample of the record.
+    pub amplitude: Vec<c64>,
+}
+
+/// What a march shows so far.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Reading {
+    /// Samples so far, those left out included.
+    pub samples: usize,
+    /// Modes that hold enough energy, least stable first.
+    pub modes: Vec<WatchedMode>,
+    /// Largest rate of growth without oscillation, 1/s, if there is growth; the structure diverges if it lasts.
+    pub growth_1_s: Option<f64>,
+    /// Part of the record that the fit leaves.
+    pub residual: f64,
+    /// True if the damping of the least stable mode is known as well as asked.
+    pub known: bool,
+}
+
+/// Reads a march as it goes.
+#[derive(Debug, Clone)]
+pub struct Watch {
+    settings: WatchSettings,
+    histories: Vec<Vec<f64>>,
+    last: Option<Reading>,
+}
+
+impl Watch {
+    /// Begins to watch.
+    ///
+    /// # Errors
+    /// A time step or a number of samples that has no meaning, lists of different lengths.
+    pub fn new(settings: WatchSettings) -> Result<Self> {
+        check_value("time step, s", settings.dt_s, "above zero", settings.dt_s > 0.0)?;
+        let every = settings.every as f64;
+        check_value("samples between readings", every, "one or more", settings.every > 0)?;
+        let (modes, masses) = (settings.omega_rad_s.len(), settings.mass_kg.len());
+        check_value(
+            "number of masses",
+            masses as f64,
+            "as many as frequencies, at least one",
+            masses == modes && modes > 0,
+        )?;
+        Ok(Self {
+            histories: vec![Vec::new(); modes],
+            settings,
+            last: None,
+        })
+    }
+
+    /// Histories `[coordinate][sample]` so far, without the samples left out at the beginning.
+    #[must_use]
+    pub fn record(&self) -> Vec<Vec<f64>> {
+        let skip = self.settings.skip;
+        self.histories
+            .iter()
+            .map(|h| h.get(skip..).unwrap_or_default().to_vec())
+            .collect()
+    }
+
+    /// The last reading.
+    #[must_use]
+    pub fn reading(&self) -> Option<&Reading> {
+        self.last.as_ref()
+    }
+
+    /// Adds a sample `[coordinate]`; a reading where one is due and the record allows it.
+    pub fn push(&mut self, q: &[f64]) -> Option<&Reading> {
+        for (history, v) in self.histories.iter_mut().zip(q) {
+            history.push(*v);
+        }
+        let samples = self.histories[0].len();
+        if samples < self.settings.skip + 12 || !(samples - self.settings.skip).is_multiple_of(self.settings.every) {
+            return None;
+        }
+        let fit = identify(&self.record(), self.settings.dt_s, &self.settings.decay).ok()?;
+        let reading = self.read(&fit, samples);
+        Some(self.last.insert(reading))
+    }
+
+    fn read(&self, fit: &DecayFit, samples: usize) -> Reading {
+        let s = &self.settings;
+        let duration = (samples - s.skip - 1) as f64 * s.dt_s;
+        // Mean of e^(2 sigma t) over the record.
+        let growth = |sigma: f64| {
+            let x = 2.0 * sigma * duration;
+            if x.abs() < 1e-6 { 1.0 } else { x.exp_m1() / x }
+        };
+        let energies: Vec<f64> = fit
+            .modes
+            .iter()
+            .map(|mode| {
+                let size: f64 = mode
+                    .amplitude
+                    .iter()
+                    .zip(s.omega_rad_s.iter().zip(&s.mass_kg))
+                    .map(|(a, (w, m))| 0.25 * m * (w * w + mode.p_rad_s.norm_sqr()) * a.norm_sqr())
+                    .sum();
+                size * growth(mode.p_rad_s.re)
+            })
+            .collect();
+        let total: f64 = energies.iter().sum();
+        let mut modes: Vec<WatchedMode> = fit
+            .modes
+            .iter()
+            .zip(&energies)
+            .filter(|(_, e)| **e >= s.least_energy * total)
+            .map(|(mode, e)| {
+                let fitted = 2.0 * mode.sigma_error_rad_s / mode.p_rad_s.im;
+                // The mode of the last reading with the nearest root.
+                let before = self.last.iter().flat_map(|r| &r.modes).min_by(|a, b| {
+                    let far = |m: &WatchedMode| (m.p_rad_s - mode.p_rad_s).norm();
+                    far(a).total_cmp(&far(b))
+                });
+                let change = before.map_or(f64::INFINITY, |b| 0.5 * (b.g - mode.g).abs());
+                WatchedMode {
+                    p_rad_s: mode.p_rad_s,
+                    freq_hz: mode.freq_hz,
+                    g: mode.g,
+                    g_error: fitted.max(change),
+                    energy: e / total,
+                    amplitude: mode.amplitude.clone(),
+                }
+            })
+            .collect();
+        modes.sort_by(|a, b| b.g.total_cmp(&a.g));
+        let known = modes.first().is_some_and(|m| {
+            let needed = s.accuracy.max(s.relative * m.g.abs());
+            m.g_error < needed && duration * m.freq_hz >= s.least_cycles
+        });
+        Reading {
+            samples,
+            growth_1_s: fit
+                .real_rates_1_s
+                .iter()
+                .copied()
+                .filter(|r| *r > 0.0)
+                .max_by(f64::total_cmp),
+            residual: fit.residual,
+            modes,
+            known,
+        }
+    }
+}

@@ -1,0 +1,329 @@
+//! The parameter (density, speed, altitude) at which a mode's damping vanishes, from as few costly runs as possible.
+//!
+//! Each run gives the damping of the least stable mode at one value. [`Search::next`] says which value to run next, or that
+//! the point is known to the accuracy asked for. It depends on the list of finished runs alone, so a search that was
+//! interrupted goes on where it stopped when it is given the same list.
+
+use crate::error::{FlutterError, Result, check_value};
+
+/// What a run has shown.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Stability {
+    /// The least stable mode oscillates.
+    Oscillation {
+        /// g = 2 sigma / omega, positive growing.
+        g: f64,
+        /// Standard error of g.
+        g_error: f64,
+        /// Frequency, Hz.
+        freq_hz: f64,
+    },
+    /// The structure moves away without oscillating.
+    Divergence,
+}
+
+impl Stability {
+    fn is_stable(&self) -> bool {
+        matches!(self, Self::Oscillation { g, .. } if *g < 0.0)
+    }
+}
+
+/// A finished run.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Trial {
+    /// Value of the parameter.
+    pub at: f64,
+    /// What it showed.
+    pub stability: Stability,
+}
+
+/// How to search.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SearchSettings {
+    /// Smallest and largest value allowed, both above zero.
+    pub range: [f64; 2],
+    /// First value.
+    pub first: f64,
+    /// Relative standard error of the point at which the search ends.
+    pub tolerance: f64,
+    /// Runs at most.
+    pub most_runs: usize,
+}
+
+/// The point that was found.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Neutral {
+    /// Value of the parameter where g = 0.
+    pub at: f64,
+    /// Standard error: what the errors of the dampings make of it, and what the interpolation itself may be off by.
+    pub error: f64,
+    /// Frequency there, Hz.
+    pub freq_hz: f64,
+    /// Slope dg/d(parameter).
+    pub slope: f64,
+    /// True if runs on both sides hold it; false if it was extrapolated (by less than the error).
+    pub bracketed: bool,
+}
+
+/// What to do next.
+#[derive(Debug, Clone, PartialEq)]
+pub enum SearchStep {
+    /// Run this value.
+    Run(f64),
+    /// Done.
+    Found(Neutral),
+    /// Stable up to the end of the range.
+    StableThroughout,
+    /// Unstable down to the end of the range.
+    UnstableThroughout,
+    /// The static limit is met first: stable at the first value, divergent at the second.
+    Divergence([f64; 2]),
+    /// All runs allowed were made; the best estimate, if there is one.
+    OutOfRuns(Option<Neutral>),
+}
+
+/// Largest change of the parameter's logarithm from one run to the next outside known values.
+const STRIDE: f64 = 0.35;
+/// Change of g for a change of the parameter's logarithm by one, where nothing better is known: wings at constant Mach
+/// number show 0.2 to 1.
+const USUAL_SLOPE: f64 = 0.5;
+
+/// A search, as its settings and finished runs.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Search {
+    settings: SearchSettings,
+    trials: Vec<Trial>,
+}
+
+impl Search {
+    /// A search with the runs that are finished already, in the order in which they were made.
+    ///
+    /// # Errors
+    /// [`FlutterError::Value`] for a range, a first value, a tolerance or a trial that has no meaning.
+    pub fn new(settings: SearchSettings, trials: Vec<Trial>) -> Result<Self> {
+        let [lo, hi] = settings.range;
+        check_value("search range, lower end", lo, "above zero", lo > 0.0)?;
+        check_value(
+            "search range, upper end",
+            hi,
+            "above the lower end",
+            hi > lo && hi.is_finite(),
+        )?;
+        let first = settings.first;
+        check_value(
+            "first value of the search",
+            first,
+            "inside the range",
+            (lo..=hi).contains(&first),
+        )?;
+        let t = settings.tolerance;
+        check_value("tolerance of the search", t, "between 0 and 0.5", t > 0.0 && t < 0.5)?;
+        if settings.most_runs == 0 {
+            return Err(FlutterError::Value {
+                what: "runs of the search, at most".into(),
+                needed: "one or more".into(),
+                got: 0.0,
+            });
+        }
+        let mut search = Self {
+            settings,
+            trials: Vec::new(),
+        };
+        for trial in trials {
+            search.add(trial)?;
+        }
+        Ok(search)
+    }
+
+    /// Adds a finished run.
+    ///
+    /// # Errors
+    /// [`FlutterError::Value`] for numbers that are not finite.
+    pub fn add(&mut self, trial: Trial) -> Result<()> {
+        check_value(
+            "value of a run",
+            trial.at,
+            "above zero",
+            trial.at > 0.0 && trial.at.is_finite(),
+        )?;
+        if let Stability::Oscillation { g, g_error, freq_hz } = trial.stability {
+            check_value("damping of a run", g, "finite", g.is_finite())?;
+            check_value(
+                "standard error of a run's damping",
+                g_error,
+                "zero or more",
+                g_error >= 0.0 && g_error.is_finite(),
+            )?;
+            check_value(
+                "frequency of a run, Hz",
+                freq_hz,
+                "above zero",
+                freq_hz > 0.0 && freq_hz.is_finite(),
+            )?;
+        }
+        self.trials.push(trial);
+        Ok(())
+    }
+
+    /// Finished runs, in order.
+    #[must_use]
+    pub fn trials(&self) -> &[Trial] {
+        &self.trials
+    }
+
+    /// What to do next.
+    #[must_use]
+    pub fn next(&self) -> SearchStep {
+        let [lo, hi] = self.settings.range;
+        if self.trials.is_empty() {
+            return SearchStep::Run(self.settings.first);
+        }
+        let estimate = self.estimate();
+        if let Some(found) = estimate
+            && found.error <= self.settings.tolerance * found.at
+            && (lo..=hi).contains(&found.at)
+        {
+            return SearchStep::Found(found);
+        }
+        if self.trials.len() >= self.settings.most_runs {
+            return SearchStep::OutOfRuns(estimate);
+        }
+        // The nearest stable value below an unstable one; at constant Mach number more density is less stable.
+        let below = self.extreme(true);
+        let above = self.extreme(false);
+        let wanted = match (below, above, estimate) {
+            (Some(b), Some(a), _) if a.stability == Stability::Divergence => {
+                if a.at - b.at <= self.settings.tolerance * a.at {
+                    return SearchStep::Divergence([b.at, a.at]);
+                }
+                0.5 * (a.at + b.at)
+            }
+            (Some(b), Some(a), Some(found)) => {
+                // Inside the bracket, and off its ends, where a run would say nothing new.
+                let margin = 0.05 * (a.at - b.at).abs();
+                let (from, to) = (b.at.min(a.at), b.at.max(a.at));
+                found.at.clamp(from + margin, to - margin)
+            }
+            (Some(b), Some(a), None) => (a.at * b.at).sqrt(),
+            (Some(b), None, estimate) => {
+                if b.at >= hi {
+                    return SearchStep::StableThroughout;
+                }
+                b.at * self.stride(&b, estimate, 1.0)
+            }
+            (None, Some(a), estimate) => {
+                if a.at <= lo {
+                    return SearchStep::UnstableThroughout;
+                }
+                a.at * self.stride(&a, estimate, -1.0)
+            }
+            (None, None, _) => self.settings.first,
+        };
+        SearchStep::Run(wanted.clamp(lo, hi))
+    }
+
+    /// Factor from the outermost value `from` towards the neutral point, a little beyond it so that it comes to lie between.
+    fn stride(&self, from: &Trial, estimate: Option<Neutral>, sign: f64) -> f64 {
+        let way = match (estimate, from.stability) {
+            (Some(found), _) => 1.2 * sign * (found.at / from.at).ln(),
+            (None, Stability::Oscillation { g, .. }) if self.trials.len() == 1 => 1.2 * g.abs() / USUAL_SLOPE,
+            // Several runs without a trend, or nothing to go by.
+            (None, _) => STRIDE,
+        };
+        let least = self.settings.tolerance;
+        // A trend that points away from the neutral point says only that it is far.
+        let way = if way > 0.0 { way.clamp(least, STRIDE) } else { STRIDE };
+        (sign * way).exp()
+    }
+
+    /// The stable run with the largest value (or the unstable one with the smallest).
+    fn extreme(&self, stable: bool) -> Option<Trial> {
+        let side = self.trials.iter().filter(|t| t.stability.is_stable() == stable);
+        let order = |a: &&Trial, b: &&Trial| a.at.total_cmp(&b.at);
+        if stable { side.max_by(order) } else { side.min_by(order) }.copied()
+    }
+
+    /// The neutral point from the two runs next to it, and the third for the curvature.
+    fn estimate(&self) -> Option<Neutral> {
+        let mut known: Vec<Sample> = self
+            .trials
+            .iter()
+            .filter_map(|t| match t.stability {
+                Stability::Oscillation { g, g_error, freq_hz } => Some(Sample {
+                    at: t.at,
+                    g,
+                    g_error,
+                    freq_hz,
+                }),
+                Stability::Divergence => None,
+            })
+            .collect();
+        // Later runs at a value replace earlier ones.
+        known.reverse();
+        known.sort_by(|a, b| a.at.total_cmp(&b.at));
+        known.dedup_by(|a, b| a.at == b.at);
+        // From the neutral point outward: the ends of the bracket, or of the side that is known, first.
+        let stable = |s: &Sample| s.g < 0.0;
+        let last = known.iter().rposition(stable);
+        let centre = match (
+            last.map(|n| known[n].at),
+            known.iter().find(|s| !stable(s)).map(|s| s.at),
+        ) {
+            (Some(below), Some(above)) => 0.5 * (below + above),
+            (Some(below), None) => below,
+            (None, Some(above)) => above,
+            (None, None) => return None,
+        };
+        known.sort_by(|a, b| (a.at - centre).abs().total_cmp(&(b.at - centre).abs()));
+        let [mut a, mut b] = [*known.first()?, *known.get(1)?];
+        if b.g.abs() < a.g.abs() {
+            std::mem::swap(&mut a, &mut b);
+        }
+        let slope = (b.g - a.g) / (b.at - a.at);
+        if !(slope > 0.0 && slope.is_finite()) {
+            return None;
+        }
+        let line = a.at - a.g / slope;
+        let share = (line - a.at) / (b.at - a.at);
+        let data = ((1.0 - share) * a.g_error).hypot(share * b.g_error) / slope;
+        let (at, model) = match known.get(2).and_then(|c| parabola_root(&[a, b, *c], line)) {
+            // The parabola is the better estimate; what it changes bounds what is still missing.
+            Some(root) => (root, (root - line).abs()),
+            // A slope that changes by half over the distance of the runs.
+            None => (line, 0.25 * (share * (1.0 - share) * (b.at - a.at)).abs()),
+        };
+        (at > 0.0 && at.is_finite()).then(|| Neutral {
+            at,
+            error: data.hypot(model),
+            freq_hz: a.freq_hz + share * (b.freq_hz - a.freq_hz),
+            slope,
+            bracketed: a.g.signum() != b.g.signum(),
+        })
+    }
+}
+
+#[derive(Debug, Clone, Copy)]
+struct Sample {
+    at: f64,
+    g: f64,
+    g_error: f64,
+    freq_hz: f64,
+}
+
+/// The root nearest to `near` of the parabola through three samples.
+fn parabola_root([a, b, c]: &[Sample; 3], near: f64) -> Option<f64> {
+    // Newton's form: g = g_a + s (x - x_a) + k (x - x_a)(x - x_b).
+    let s = (b.g - a.g) / (b.at - a.at);
+    let k = ((c.g - b.g) / (c.at - b.at) - s) / (c.at - a.at);
+    let (q2, q1, q0) = (k, s - k * (a.at + b.at), a.g - s * a.at + k * a.at * b.at);
+    let discriminant = q1 * q1 - 4.0 * q2 * q0;
+    if discriminant.is_nan() || discriminant < 0.0 {
+        return None;
+    }
+    // Stable for small curvature: the root that stays finite as k goes to zero, and the other.
+    let half = -0.5 * (q1 + q1.signum() * discriminant.sqrt());
+    [q0 / half, half / q2]
+        .into_iter()
+        .filter(|r| r.is_finite())
+        .min_by(|x, y| (x - near).abs().total_cmp(&(y - near).abs()))
+}

@@ -1,0 +1,184 @@
+//! The search for the neutral point and the damping of a running record, against known dampings.
+
+use std::f64::consts::TAU;
+
+use dip_flutter::decay::{Watch, WatchSettings};
+use dip_flutter::search::{Search, SearchSettings, SearchStep, Stability, Trial};
+
+fn settings(first: f64) -> SearchSettings {
+    SearchSettings {
+        range: [0.02, 1.0],
+        first,
+        tolerance: 0.01,
+        most_runs: 12,
+    }
+}
+
+/// Runs a search on a damping that is a known function; returns its end and the values that were run.
+fn search(first: f64, run: impl Fn(f64) -> Stability) -> (SearchStep, Vec<f64>) {
+    let mut search = Search::new(settings(first), Vec::new()).unwrap();
+    loop {
+        match search.next() {
+            SearchStep::Run(at) => search.add(Trial { at, stability: run(at) }).unwrap(),
+            end => return (end, search.trials().iter().map(|t| t.at).collect()),
+        }
+    }
+}
+
+fn oscillation(g: f64) -> Stability {
+    Stability::Oscillation {
+        g,
+        g_error: 1e-4,
+        freq_hz: 15.0,
+    }
+}
+
+/// Damping of a march of AGARD 445.6 in kind: nearly flat at low density, falling ever faster, neutral at 0.2.
+fn like_agard(rho: f64) -> f64 {
+    let x = rho / 0.2;
+    -0.3 * x * (1.0 - x.powi(3))
+}
+
+#[test]
+fn few_runs_find_the_neutral_point_from_either_side() {
+    for first in [0.05, 0.12, 0.18, 0.199, 0.22, 0.4] {
+        let (end, runs) = search(first, |rho| oscillation(like_agard(rho)));
+        let SearchStep::Found(found) = end else {
+            panic!("{first}: {end:?}")
+        };
+        assert!((found.at / 0.2 - 1.0).abs() < 0.01, "{first}: {found:?}");
+        assert!((found.at - 0.2).abs() < 2.5 * found.error, "{first}: {found:?}");
+        let most = if (0.12..=0.22).contains(&first) { 4 } else { 7 };
+        assert!(runs.len() <= most, "{first}: {runs:?}");
+    }
+}
+
+#[test]
+fn errors_of_the_dampings_widen_the_answer_and_cost_runs_but_do_not_mislead() {
+    // Dampings off by a fixed pattern of one standard error.
+    let sign = |rho: f64| if (1e4 * rho) as u64 % 2 == 0 { 1.0 } else { -1.0 };
+    let (end, _) = search(0.15, |rho| Stability::Oscillation {
+        g: like_agard(rho) + 0.004 * sign(rho),
+        g_error: 0.004,
+        freq_hz: 15.0,
+    });
+    let SearchStep::Found(found) = end else {
+        panic!("{end:?}")
+    };
+    assert!((found.at - 0.2).abs() < 2.5 * found.error, "{found:?}");
+    assert!(found.error > 5e-4, "{found:?}");
+}
+
+#[test]
+fn an_interrupted_search_goes_on_to_the_same_values() {
+    let (_, whole) = search(0.1, |rho| oscillation(like_agard(rho)));
+    for done in 0..whole.len() {
+        let finished = whole[..done]
+            .iter()
+            .map(|&at| Trial {
+                at,
+                stability: oscillation(like_agard(at)),
+            })
+            .collect();
+        let resumed = Search::new(settings(0.1), finished).unwrap();
+        assert_eq!(resumed.next(), SearchStep::Run(whole[done]));
+    }
+}
+
+#[test]
+fn ends_of_the_range_divergence_and_the_last_run_are_said() {
+    let (end, _) = search(0.5, |_| oscillation(-0.05));
+    assert_eq!(end, SearchStep::StableThroughout);
+    let (end, _) = search(0.5, |_| oscillation(0.05));
+    assert_eq!(end, SearchStep::UnstableThroughout);
+    // Divergence at 0.3 while every oscillation is damped.
+    let (end, _) = search(0.1, |rho| {
+        if rho > 0.3 {
+            Stability::Divergence
+        } else {
+            oscillation(-0.05)
+        }
+    });
+    let SearchStep::Divergence([below, above]) = end else {
+        panic!("{end:?}")
+    };
+    assert!(
+        below <= 0.3 && 0.3 < above && above - below < 0.01 * above,
+        "{below} {above}"
+    );
+    let mut few = settings(0.1);
+    few.most_runs = 1;
+    let one = Trial {
+        at: 0.1,
+        stability: oscillation(-0.1),
+    };
+    assert_eq!(Search::new(few, vec![one]).unwrap().next(), SearchStep::OutOfRuns(None));
+}
+
+#[test]
+fn meaningless_settings_are_refused() {
+    for change in [
+        |s: &mut SearchSettings| s.range = [0.0, 1.0],
+        |s: &mut SearchSettings| s.range = [0.3, 0.2],
+        |s: &mut SearchSettings| s.first = 2.0,
+        |s: &mut SearchSettings| s.tolerance = 0.0,
+        |s: &mut SearchSettings| s.most_runs = 0,
+    ] {
+        let mut wrong = settings(0.1);
+        change(&mut wrong);
+        assert!(Search::new(wrong, Vec::new()).is_err());
+    }
+    let mut search = Search::new(settings(0.1), Vec::new()).unwrap();
+    let nan = Trial {
+        at: 0.1,
+        stability: oscillation(f64::NAN),
+    };
+    assert!(search.add(nan).is_err());
+}
+
+/// Two modes as a march shows them: 14 Hz with damping g in both coordinates, 40 Hz well damped, an answer of the flow that
+/// dies out, and noise of a part in 10^4.
+fn sample(g: f64, n: usize, dt: f64) -> [f64; 2] {
+    let t = n as f64 * dt;
+    let (w1, w2) = (14.0 * TAU, 40.0 * TAU);
+    let first = (0.5 * g * w1 * t).exp();
+    let second = (-0.05 * w2 * t).exp();
+    let noise = 1e-4 * ((n * n) as f64 * 0.7).sin();
+    [
+        first * (w1 * t).sin() + 0.1 * second * (w2 * t).cos() + 0.05 * (-80.0 * t).exp() + noise,
+        0.2 * first * (w1 * t + 0.8).sin() + 0.3 * second * (w2 * t).sin() + 0.3 * noise,
+    ]
+}
+
+#[test]
+fn damping_is_known_after_one_to_three_cycles_and_right() {
+    for g in [-0.08, -0.02, -0.004, 0.003, 0.03] {
+        let dt = 1.0 / 14.0 / 40.0;
+        let settings = WatchSettings::new(dt, vec![10.0 * TAU, 38.0 * TAU], vec![1.0, 1.0]);
+        let needed = settings.accuracy.max(settings.relative * f64::abs(g));
+        let mut watch = Watch::new(settings).unwrap();
+        let known = (0..200).find_map(|n| {
+            let reading = watch.push(&sample(g, n, dt))?;
+            reading.known.then(|| (n, reading.clone()))
+        });
+        let (n, reading) = known.unwrap();
+        assert!((50..120).contains(&n), "{g}: {n}");
+        let mode = &reading.modes[0];
+        assert!((mode.g - g).abs() < 1.5 * needed, "{g}: {mode:?}");
+        assert!((mode.freq_hz - 14.0).abs() < 0.05, "{g}: {mode:?}");
+        assert!(reading.growth_1_s.is_none(), "{g}: {reading:?}");
+    }
+}
+
+#[test]
+fn growth_without_oscillation_is_seen() {
+    let dt = 1.0 / 14.0 / 40.0;
+    let mut watch = Watch::new(WatchSettings::new(dt, vec![10.0 * TAU, 38.0 * TAU], vec![1.0, 1.0])).unwrap();
+    for n in 0..100 {
+        let t = n as f64 * dt;
+        let [a, b] = sample(-0.1, n, dt);
+        watch.push(&[a + 0.2 * (12.0 * t).exp(), b - 0.05 * (12.0 * t).exp()]);
+    }
+    let growth = watch.reading().unwrap().growth_1_s.unwrap();
+    assert!((growth - 12.0).abs() < 0.5, "{growth}");
+}
