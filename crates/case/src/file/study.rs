@@ -1,5 +1,6 @@
 //! `boundary.toml`: a study that puts several boundaries side by side.
 
+use super::correct::CorrectMethod;
 use super::flutter::{Method, ReferenceTable};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -36,8 +37,22 @@ pub struct CurveTable {
     pub kind: CurveKind,
     /// The case file.
     pub case: PathBuf,
-    /// Which method of the case gives the boundary; the case's first if left out.
+    /// Which flutter method of the case gives the boundary; the case's first if left out.
     pub method: Option<Method>,
+    /// Mach numbers of this curve, if not all of the study's.
+    pub mach: Option<Vec<f64>>,
+    /// `corrected`: the case of prescribed motion that is run and recorded at every Mach number.
+    pub pitch: Option<PathBuf>,
+    /// `corrected`: which correction gives the boundary; the case's first if left out.
+    pub correction: Option<CorrectMethod>,
+    /// `corrected`: recordings are made at these multiples of the uncorrected flutter frequency; [0.75, 1.15] if left out.
+    pub around: Option<Vec<f64>>,
+    /// Keys of the flow case (`pitch`, or `case` of a march) to override, as `key=value` texts.
+    #[serde(default)]
+    pub set: Vec<String>,
+    /// Keys that `--fidelity medium` overrides besides.
+    #[serde(default)]
+    pub medium: Vec<String>,
 }
 
 /// How a curve is computed.
@@ -46,6 +61,10 @@ pub struct CurveTable {
 pub enum CurveKind {
     /// The doublet lattice without correction.
     Dlm,
+    /// The doublet lattice corrected by recordings of prescribed motion, which are made first.
+    Corrected,
+    /// Flow and structure marched together, with a search for the flutter point.
+    March,
 }
 
 /// A published curve.

@@ -2,7 +2,7 @@
 
 use crate::exit::Stop;
 use dip_grid::MultiBlock;
-use dip_modal::{Attachment, GridModes, Modes, MovingWall, StructuralSurface, Transfer, TransferCheck};
+use dip_modal::{Attachment, GridModes, Modes, MovingWall, StructuralSurface, Transfer};
 use dip_pmb::moving::Nodes;
 use nalgebra::Vector3;
 
@@ -11,8 +11,6 @@ use nalgebra::Vector3;
 pub struct Deformation {
     /// Displacement of every node of the grid for a unit of each generalized coordinate, m, `[mode]`.
     pub fields: Vec<Nodes>,
-    /// What the inspection of the transfer found; none for shapes that no structure gave.
-    pub check: Option<TransferCheck>,
 }
 
 /// Carries the first `count` modes of a structure to the wall (constant volume tetrahedra) and from there to the grid
@@ -30,14 +28,10 @@ pub fn of_modes(grid: &MultiBlock, modes: &Modes, count: usize) -> Result<Deform
     };
     let surface = StructuralSurface::of_modes(modes).map_err(|e| refuse(&e))?;
     let transfer = Transfer::new(&surface, &wall.points(), Attachment::default()).map_err(|e| refuse(&e))?;
-    let check = transfer.check();
     let mut shapes = transfer.modes(modes).map_err(|e| refuse(&e))?;
     shapes.truncate(count);
     let fields = spread(grid, &wall, &shapes)?;
-    Ok(Deformation {
-        fields,
-        check: Some(check),
-    })
+    Ok(Deformation { fields })
 }
 
 /// Carries one shape, given as the displacement of a wall point, to the grid.
@@ -48,7 +42,7 @@ pub fn of_shape(grid: &MultiBlock, shape: impl Fn(Vector3<f64>) -> Vector3<f64>)
     let wall = moving_wall(grid)?;
     let shape = wall.points().into_iter().map(shape).collect();
     let fields = spread(grid, &wall, &[shape])?;
-    Ok(Deformation { fields, check: None })
+    Ok(Deformation { fields })
 }
 
 fn moving_wall(grid: &MultiBlock) -> Result<MovingWall, Stop> {

@@ -100,7 +100,7 @@ pub struct CorrectionResults {
 }
 
 /// The crate's method of a case's.
-fn method(method: CorrectMethod) -> Method {
+pub fn method(method: CorrectMethod) -> Method {
     match method {
         CorrectMethod::Downwash => Method::Downwash,
         CorrectMethod::DownwashSteady => Method::DownwashSteady,

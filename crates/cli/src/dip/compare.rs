@@ -1,6 +1,8 @@
 //! `dip compare`: table, figures and report of a study.
 
-use super::study::{CurveResult, Study};
+use super::curve::CurveResult;
+use super::run::Fidelity;
+use super::study::Study;
 use super::{report, run as study_run};
 use crate::exit::{Done, Stop};
 use crate::options::Common;
@@ -18,6 +20,9 @@ pub struct Args {
     /// Go on after an interrupt; finished curves of the same inputs are kept with or without it
     #[arg(long)]
     resume: bool,
+    /// Grids of the flow cases
+    #[arg(long, value_enum, default_value_t = Fidelity::Coarse)]
+    fidelity: Fidelity,
     #[command(flatten)]
     common: Common,
 }
@@ -72,7 +77,7 @@ pub fn run(args: &Args) -> Result<Done, Stop> {
     args.common.start()?;
     study_run::refuse_resume_with_force(args.resume, &args.common)?;
     let timer = Timer::start();
-    let study = Study::read(&args.study, &args.common.set)?;
+    let study = Study::read(&args.study, &args.common.set, args.fidelity == Fidelity::Medium)?;
     let stamp = study.fingerprint.stamp();
     let folder = RunFolder::open(&args.common.folder(&args.study), &stamp, args.common.force)?;
     let results = study_run::curves(&study, folder.path(), &args.common)?;

@@ -1,6 +1,8 @@
 //! The `dip` program: whole studies, and what recordings hold.
 
 mod compare;
+mod corrected;
+mod curve;
 mod doctor;
 mod export;
 mod info;

@@ -1,7 +1,8 @@
 //! The report of a study: one self-contained HTML page, and its figures as SVG files beside it.
 
 use super::compare::{Compared, curve_table};
-use super::study::{CurveResult, Point, Study};
+use super::curve::{BoundaryRow, CurveResult, MethodRow};
+use super::study::{Point, Study};
 use crate::exit::Stop;
 use crate::figures;
 use crate::output::RunFolder;
@@ -61,6 +62,7 @@ pub fn write(
                 .map(|w| Block::Warning(format!("{}: {w}", result.name))),
         );
     }
+    summary.push(Block::Table(cost_table(results)?));
     page = page.section("Boundary", summary);
     page = page.section(
         "Reference quantities",
@@ -123,12 +125,14 @@ fn boundary_figure(study: &Study, results: &[CurveResult]) -> Figure {
         curves.push(of("experiment", &study.experiment, true));
     }
     for result in results {
+        let index = |row: &BoundaryRow| {
+            row.flutter_speed_m_s
+                .map_or(f64::NAN, |u| study.reference.speed_index(u, row.density_kg_m3))
+        };
         let points = result.boundary.iter().map(|row| BoundaryPoint {
             mach: row.mach,
-            speed_index: row
-                .flutter_speed_m_s
-                .map_or(f64::NAN, |u| study.reference.speed_index(u, row.density_kg_m3)),
-            speed_index_error: (0.0, 0.0),
+            speed_index: index(row),
+            speed_index_error: row.uncertainty.map_or((0.0, 0.0), |u| (u * index(row), u * index(row))),
             frequency_ratio: row
                 .flutter_frequency_hz
                 .map_or(f64::NAN, |f| study.reference.frequency_ratio(f)),
@@ -150,18 +154,22 @@ fn curve_section(folder: &RunFolder, result: &CurveResult, slug: &str) -> Result
         .iter()
         .map(|f| format!("{f:.3}"))
         .collect();
-    let mut pairs = vec![
-        (
-            "natural frequencies".to_owned(),
-            format!("{} Hz", frequencies.join(", ")),
-        ),
-        ("boxes".to_owned(), result.boxes.to_string()),
-    ];
+    let mut pairs = vec![(
+        "natural frequencies".to_owned(),
+        format!("{} Hz", frequencies.join(", ")),
+    )];
+    if let Some(boxes) = result.boxes {
+        pairs.push(("boxes of the lattice".to_owned(), boxes.to_string()));
+    }
+    if let Some(cells) = result.cells {
+        pairs.push(("cells of the grid".to_owned(), cells.to_string()));
+    }
     if let Some(mass) = result.structure_mass_kg {
         pairs.push(("mass of the structural model".to_owned(), format!("{mass:.4} kg")));
     }
     let mut blocks = vec![Block::Pairs(pairs)];
-    if let Some(shapes) = figures::mode_maps(&result.shapes, 4)? {
+    blocks.extend(result.notes.iter().map(|n| Block::Paragraph(n.clone())));
+    if let Some(shapes) = result.shapes.as_ref().map_or(Ok(None), |s| figures::mode_maps(s, 4))? {
         let height = 380 * u32::try_from(shapes.rows.len()).unwrap_or(1) + 40;
         let caption = "Mode shapes: z displacement over the planform, node lines in black.";
         blocks.push(figure(
@@ -188,6 +196,7 @@ fn curve_section(folder: &RunFolder, result: &CurveResult, slug: &str) -> Result
         "All methods",
         vec![
             fixed("Mach", "", 3),
+            Column::text("correction"),
             Column::text("method"),
             fixed("speed", "m/s", 3),
             fixed("frequency", "Hz", 3),
@@ -196,9 +205,10 @@ fn curve_section(folder: &RunFolder, result: &CurveResult, slug: &str) -> Result
             fixed("mode", "", 0),
         ],
     );
-    for row in &result.rows {
+    for MethodRow { correction, row } in &result.rows {
         let cells = vec![
             row.mach.into(),
+            correction.as_str().into(),
             row.method.name().into(),
             row.flutter_speed_m_s.into(),
             row.flutter_frequency_hz.into(),
@@ -218,7 +228,65 @@ fn curve_section(folder: &RunFolder, result: &CurveResult, slug: &str) -> Result
         times.push(cells).map_err(|e| figures::drawing(&e))?;
     }
     blocks.push(Block::Table(times));
+    if !result.audit.is_empty() {
+        blocks.push(Block::Table(audit_table(result)?));
+    }
     Ok(blocks)
+}
+
+/// The audit of the hand-over from recordings.
+fn audit_table(result: &CurveResult) -> Result<Table, Stop> {
+    let mut table = Table::new(
+        "Audit of the hand-over from the recordings",
+        vec![
+            Column::number("Mach", "", NumberFormat::Fixed(3)),
+            Column::text("check"),
+            Column::text("of"),
+            Column::number("value", "", NumberFormat::Scientific(2)),
+            Column::number("limit", "", NumberFormat::Scientific(1)),
+            Column::text("verdict"),
+        ],
+    );
+    for line in &result.audit {
+        let cells = vec![
+            line.mach.into(),
+            line.check.as_str().into(),
+            line.subject.as_str().into(),
+            line.value.into(),
+            line.limit.into(),
+            line.verdict.as_str().into(),
+        ];
+        table.push(cells).map_err(|e| figures::drawing(&e))?;
+    }
+    Ok(table)
+}
+
+/// Wall and CPU seconds a flutter point, by curve: what each way of finding the boundary costs.
+fn cost_table(results: &[CurveResult]) -> Result<Table, Stop> {
+    let fixed = |name: &str, unit: &str| Column::number(name, unit, NumberFormat::Fixed(2));
+    let mut table = Table::new(
+        "Time per flutter point",
+        vec![
+            Column::text("curve"),
+            Column::number("points", "", NumberFormat::Fixed(0)),
+            fixed("wall", "s"),
+            fixed("CPU", "s"),
+            fixed("slowest, wall", "s"),
+        ],
+    );
+    for r in results {
+        let n = r.boundary.len().max(1) as f64;
+        let mean = |value: fn(&BoundaryRow) -> f64| r.boundary.iter().map(value).sum::<f64>() / n;
+        let cells = vec![
+            r.name.as_str().into(),
+            (r.boundary.len() as f64).into(),
+            mean(|b| b.time_s).into(),
+            mean(|b| b.cpu_s).into(),
+            r.boundary.iter().map(|b| b.time_s).fold(0.0, f64::max).into(),
+        ];
+        table.push(cells).map_err(|e| figures::drawing(&e))?;
+    }
+    Ok(table)
 }
 
 fn sources(study: &Study) -> Vec<Block> {
@@ -235,7 +303,7 @@ fn sources(study: &Study) -> Vec<Block> {
     for curve in &study.curves {
         blocks.push(Block::Details {
             summary: format!("{}: {}", curve.table.name, curve.table.case.display()),
-            text: curve.case.document.text().to_owned(),
+            text: curve.case_text(),
         });
     }
     blocks

@@ -1,11 +1,10 @@
 //! A study, read and checked, and the points of its curves.
 
 use crate::exit::Stop;
-use crate::frequency::{self, FlutterCase, FlutterRow};
+use crate::frequency::{self, FlutterCase};
 use crate::stamp::Fingerprint;
-use crate::traces::{MachCurves, ModeShapes};
 use dip_case::Document;
-use dip_case::file::{CurveTable, Method, StudyFile};
+use dip_case::file::{CurveKind, CurveTable, Method, StudyFile};
 use dip_flutter::SpeedIndexReference;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
@@ -34,16 +33,64 @@ pub struct Study {
 pub struct Curve {
     /// Its table in the study.
     pub table: CurveTable,
-    /// The case, at the study's Mach numbers.
+    /// How, from what.
+    pub work: Work,
+    /// What it is computed from.
+    pub fingerprint: Fingerprint,
+}
+
+/// How a curve is computed.
+#[derive(Debug)]
+pub enum Work {
+    /// The lattice as it is: the case at the study's Mach numbers, and the method that gives the boundary.
+    Dlm(Box<FlutterCase>, Method),
+    /// The lattice corrected by recordings.
+    Corrected(Box<CorrectedCurve>),
+}
+
+/// What a corrected curve is computed from.
+#[derive(Debug)]
+pub struct CorrectedCurve {
+    /// The flutter case, with its corrections, at the curve's Mach numbers.
     pub case: FlutterCase,
-    /// The method that gives the boundary.
+    /// Its file.
+    file: PathBuf,
+    /// Overrides that put it at these Mach numbers.
+    overrides: Vec<String>,
+    /// The flutter method that gives the boundary.
     pub method: Method,
+    /// Name of the correction that gives the boundary.
+    pub correction: &'static str,
+    /// The case of prescribed motion.
+    pub pitch: PathBuf,
+    /// Overrides of it.
+    pub pitch_overrides: Vec<String>,
+    /// Multiples of the uncorrected flutter frequency at which recordings are made.
+    pub around: Vec<f64>,
+}
+
+impl CorrectedCurve {
+    /// The flutter case's document anew.
+    ///
+    /// # Errors
+    /// As [`Document::read`].
+    pub fn document(&self) -> Result<Document, Stop> {
+        Ok(Document::read(&self.file, &self.overrides)?)
+    }
 }
 
 impl Curve {
     /// Name of its folder and files.
     pub fn slug(&self) -> String {
         slug(&self.table.name)
+    }
+
+    /// Text of the case file that it names, overrides included.
+    pub fn case_text(&self) -> String {
+        match &self.work {
+            Work::Dlm(case, _) => case.document.text().to_owned(),
+            Work::Corrected(c) => c.case.document.text().to_owned(),
+        }
     }
 }
 
@@ -88,39 +135,12 @@ pub struct PublishedCurve {
     pub points: Vec<Point>,
 }
 
-/// A finished curve.
-#[derive(Debug, Clone, Serialize, Deserialize)]
-pub struct CurveResult {
-    /// Name in figures and tables.
-    pub name: String,
-    /// Stamp of the case it was computed from.
-    pub stamp: crate::stamp::Stamp,
-    /// Points of the boundary, one for each Mach number.
-    pub boundary: Vec<FlutterRow>,
-    /// Points of all methods.
-    pub rows: Vec<FlutterRow>,
-    /// Natural frequencies, Hz.
-    pub natural_frequencies_hz: Vec<f64>,
-    /// Mass of the structural model, kg, where it is known.
-    pub structure_mass_kg: Option<f64>,
-    /// Number of boxes.
-    pub boxes: usize,
-    /// V-g and V-f curves of the boundary's method.
-    pub curves: Vec<MachCurves>,
-    /// Mode shapes for the pictures.
-    pub shapes: ModeShapes,
-    /// What to look at.
-    pub warnings: Vec<String>,
-    /// Seconds for each stage.
-    pub stages: Vec<(String, crate::progress::Seconds)>,
-}
-
 impl Study {
-    /// Reads and checks a study and everything that it names.
+    /// Reads and checks a study and everything that it names; with `medium` the flow cases are those of `--fidelity medium`.
     ///
     /// # Errors
     /// What is wrong in the files.
-    pub fn read(path: &Path, overrides: &[String]) -> Result<Self, Stop> {
+    pub fn read(path: &Path, overrides: &[String], medium: bool) -> Result<Self, Stop> {
         let document = Document::read(path, overrides)?;
         let file: StudyFile = document.load()?;
         if file.mach.is_empty() {
@@ -142,37 +162,9 @@ impl Study {
                     .error(&format!("curve.{i}.name"), message, "curves need different names")
                     .into());
             }
-            let case = FlutterCase::read(Document::read(
-                &document.path(&table.case),
-                &at_machs(&document, table, &file, i)?,
-            )?)?;
-            let methods = case
-                .file
-                .flutter
-                .as_ref()
-                .map(|f| f.methods.clone())
-                .unwrap_or_default();
-            let method = match (table.method, methods.first()) {
-                (Some(method), _) if methods.contains(&method) => method,
-                (Some(_), _) => {
-                    let message = "the case does not solve by this method";
-                    let help = format!("add it to flutter.methods of {}", table.case.display());
-                    return Err(document.error(&format!("curve.{i}.method"), message, help).into());
-                }
-                (None, Some(&first)) => first,
-                (None, None) => {
-                    let message = "the case has no [flutter] table";
-                    return Err(document
-                        .error(&format!("curve.{i}.case"), message, "add [flutter] to it")
-                        .into());
-                }
-            };
-            fingerprint.text(&case.fingerprint.stamp().fingerprint);
-            curves.push(Curve {
-                table: table.clone(),
-                case,
-                method,
-            });
+            let curve = curve(&document, &file, table, i, medium)?;
+            fingerprint.text(&curve.fingerprint.stamp().fingerprint);
+            curves.push(curve);
         }
         let mut named: Vec<PathBuf> = Vec::new();
         let experiment = match &file.experiment {
@@ -208,12 +200,121 @@ impl Study {
     }
 }
 
+/// Reads one curve's cases.
+fn curve(document: &Document, study: &StudyFile, table: &CurveTable, i: usize, medium: bool) -> Result<Curve, Stop> {
+    let machs = table.mach.as_ref().unwrap_or(&study.mach);
+    if let Some(m) = machs
+        .iter()
+        .find(|m| !study.mach.iter().any(|s| (s - **m).abs() < 1e-9))
+    {
+        let message = format!("Mach {m} is not among the study's");
+        return Err(document
+            .error(&format!("curve.{i}.mach"), message, "add it to the study's mach")
+            .into());
+    }
+    let mut fingerprint = Fingerprint::new();
+    fingerprint.text(&format!("{table:?} {medium}"));
+    let path = document.path(&table.case);
+    let overrides = at_machs(document, table, machs, i)?;
+    let case = FlutterCase::read(Document::read(&path, &overrides)?)?;
+    fingerprint.text(&case.fingerprint.stamp().fingerprint);
+    let method = method(document, table, &case, i)?;
+    let work = match table.kind {
+        CurveKind::Dlm => Work::Dlm(Box::new(case), method),
+        CurveKind::March => {
+            let message = "curves of kind \"march\" are not computed by a study yet";
+            return Err(document
+                .error(&format!("curve.{i}.kind"), message, "use \"dlm\" or \"corrected\"")
+                .into());
+        }
+        CurveKind::Corrected => {
+            let Some(pitch) = &table.pitch else {
+                let help = "pitch = \"pitch.toml\", the case of prescribed motion";
+                return Err(document
+                    .error(&format!("curve.{i}"), "a corrected curve needs `pitch`", help)
+                    .into());
+            };
+            let pitch = document.path(pitch);
+            let pitch_overrides = flow_overrides(table, medium);
+            let flow = Document::read(&pitch, &pitch_overrides)?;
+            let content: dip_case::file::PitchFile = flow.load()?;
+            fingerprint.document(&flow);
+            for named in content.mesh.recipe.iter().chain(&content.mesh.file) {
+                fingerprint.file(flow.path(named));
+            }
+            let corrections = case.file.correct.clone().unwrap_or_default().methods;
+            let correction = match (table.correction, corrections.first()) {
+                (Some(c), _) if corrections.contains(&c) => c,
+                (None, Some(&first)) => first,
+                _ => {
+                    let message = "the case has no such correction";
+                    let help = format!("add it to correct.methods of {}", table.case.display());
+                    return Err(document.error(&format!("curve.{i}.correction"), message, help).into());
+                }
+            };
+            let around = table.around.clone().unwrap_or_else(|| vec![0.75, 1.15]);
+            if around.is_empty() || around.iter().any(|f| !(*f > 0.0 && *f < 10.0)) {
+                let message = format!("{around:?}: needed one or more multiples above 0 and below 10");
+                return Err(document
+                    .error(&format!("curve.{i}.around"), message, "around = [0.75, 1.15]")
+                    .into());
+            }
+            Work::Corrected(Box::new(CorrectedCurve {
+                case,
+                file: path,
+                overrides,
+                method,
+                correction: crate::correction::method(correction).name(),
+                pitch,
+                pitch_overrides,
+                around,
+            }))
+        }
+    };
+    Ok(Curve {
+        table: table.clone(),
+        work,
+        fingerprint,
+    })
+}
+
+/// Overrides of a curve's flow case.
+fn flow_overrides(table: &CurveTable, medium: bool) -> Vec<String> {
+    let more = if medium { table.medium.as_slice() } else { &[] };
+    table.set.iter().chain(more).cloned().collect()
+}
+
+/// The method that gives a curve's boundary.
+fn method(document: &Document, table: &CurveTable, case: &FlutterCase, i: usize) -> Result<Method, Stop> {
+    let methods = case
+        .file
+        .flutter
+        .as_ref()
+        .map(|f| f.methods.clone())
+        .unwrap_or_default();
+    match (table.method, methods.first()) {
+        (Some(method), _) if methods.contains(&method) => Ok(method),
+        (Some(_), _) => {
+            let message = "the case does not solve by this method";
+            let help = format!("add it to flutter.methods of {}", table.case.display());
+            Err(document.error(&format!("curve.{i}.method"), message, help).into())
+        }
+        (None, Some(&first)) => Ok(first),
+        (None, None) => {
+            let message = "the case has no [flutter] table";
+            Err(document
+                .error(&format!("curve.{i}.case"), message, "add [flutter] to it")
+                .into())
+        }
+    }
+}
+
 /// Overrides that put a case at the study's Mach numbers, taking the densities that the case has for them.
-fn at_machs(document: &Document, table: &CurveTable, study: &StudyFile, i: usize) -> Result<Vec<String>, Stop> {
+fn at_machs(document: &Document, table: &CurveTable, machs: &[f64], i: usize) -> Result<Vec<String>, Stop> {
     let case = Document::read(&document.path(&table.case), &[])?;
     let file: dip_case::file::FlutterFile = case.load()?;
     let mut densities = Vec::new();
-    for (j, &mach) in study.mach.iter().enumerate() {
+    for (j, &mach) in machs.iter().enumerate() {
         let Some(at) = file.lattice.mach.iter().position(|m| (m - mach).abs() < 1e-9) else {
             let message = format!("Mach {mach} is not among lattice.mach of {}", table.case.display());
             return Err(document
@@ -229,7 +330,7 @@ fn at_machs(document: &Document, table: &CurveTable, study: &StudyFile, i: usize
         }
     }
     let list = |values: &[f64]| values.iter().map(|v| format!("{v:?}")).collect::<Vec<_>>().join(", ");
-    let mut overrides = vec![format!("lattice.mach=[{}]", list(&study.mach))];
+    let mut overrides = vec![format!("lattice.mach=[{}]", list(machs))];
     if !densities.is_empty() {
         overrides.push(format!("flutter.densities=[{}]", list(&densities)));
     }

@@ -26,6 +26,8 @@ use std::path::{Path, PathBuf};
 
 /// The restart file.
 const RESTART: &str = "restart.pmb";
+/// The case as it was read, overrides included.
+const CASE: &str = "case.toml";
 /// The recording.
 pub const RECORDING: &str = "pitch.mcap";
 
@@ -121,6 +123,50 @@ pub struct PitchDone {
     pub warnings: Vec<String>,
 }
 
+/// A finished run of the same inputs in `path`, if there is one.
+///
+/// # Errors
+/// What is wrong in the case.
+pub fn kept(document: &Document, path: &Path) -> Result<Option<PitchDone>, Stop> {
+    let Ok(text) = std::fs::read_to_string(path.join(output::SUMMARY)) else {
+        return Ok(None);
+    };
+    let file: PitchFile = document.load()?;
+    let mesh = grid::from_case(document, &file.mesh)?;
+    let stamp = stamp(document, &file, &mesh.hash);
+    let summary: serde_json::Value = serde_json::from_str(&text).unwrap_or_default();
+    let recording = path.join(RECORDING);
+    if summary["stamp"]["fingerprint"] != stamp.fingerprint.as_str() || !recording.exists() {
+        return Ok(None);
+    }
+    let words = |v: &serde_json::Value| v.as_str().map(str::to_owned);
+    let warnings = summary["warnings"]
+        .as_array()
+        .map(|w| w.iter().filter_map(words).collect());
+    Ok(Some(PitchDone {
+        recording,
+        warnings: warnings.unwrap_or_default(),
+        summary,
+        text: String::new(),
+    }))
+}
+
+/// True if `path` holds a restart file of the same case, whose run did not finish.
+pub fn can_resume(document: &Document, path: &Path) -> bool {
+    let same = std::fs::read_to_string(path.join(CASE)).is_ok_and(|text| text == document.text());
+    same && path.join(RESTART).exists() && path.join(RECORDING).exists()
+}
+
+/// What a run depends on.
+fn stamp(document: &Document, file: &PitchFile, mesh_hash: &str) -> Stamp {
+    let mut fingerprint = Fingerprint::new();
+    fingerprint.document(document).text(mesh_hash);
+    if let Some(table) = &file.modes {
+        crate::assemble::modes::fingerprint(document, table, &mut fingerprint);
+    }
+    fingerprint.stamp()
+}
+
 /// Runs a case and writes its results to `path`.
 ///
 /// # Errors
@@ -144,12 +190,7 @@ pub fn compute(document: &Document, path: &Path, resume: bool, common: &Common) 
     let prescribed = motion::prescribed(document, &file, &mesh.grid, &clock, stream.speed_m_s)?;
     stages.push(("motion".to_owned(), timer.seconds()));
 
-    let mut fingerprint = Fingerprint::new();
-    fingerprint.document(document).text(&mesh.hash);
-    if let Some(table) = &file.modes {
-        crate::assemble::modes::fingerprint(document, table, &mut fingerprint);
-    }
-    let stamp = fingerprint.stamp();
+    let stamp = stamp(document, &file, &mesh.hash);
     let restart = path.join(RESTART);
     if resume && !restart.exists() {
         return Err(Stop::input(
@@ -158,6 +199,7 @@ pub fn compute(document: &Document, path: &Path, resume: bool, common: &Common) 
         ));
     }
     let folder = RunFolder::open(path, &stamp, common.force || resume)?;
+    folder.write(CASE, document.text().as_bytes())?;
     // The steady flow only starts the motion: deep enough for the first steps, no more.
     settings.solver.orders = file.steady.orders.unwrap_or(6.0);
     // The run's own restart file holds all; the steady start is made anew if it was not reached.
