@@ -127,15 +127,15 @@ fn thin(folder: &Path) -> Outcome<String> {
     Ok(text)
 }
 
-const CT_HEADER: &str = "| case | cells | steps | orders | CL mean | CL harmonic | CM mean | CM harmonic | cycles | Newton | products | not converged |\n\
-                         |---|---|---|---|---|---|---|---|---|---|---|---|\n";
+const CT_HEADER: &str = "| case | cells | steps | orders | CL mean | CL harmonic | CM mean | CM harmonic | cycles | change, % | Newton | products | not converged |\n\
+                         |---|---|---|---|---|---|---|---|---|---|---|---|---|\n";
 
 /// Runs a case and writes its row.
 fn row(text: &mut String, name: &str, case: &Pitching, grid: &MultiBlock) -> Outcome<Cycle> {
     let cycle = case.run(grid)?;
     writeln!(
         text,
-        "| {name} | {} | {} | {} | {:.4} | {} | {:.4} | {} | {} | {:.1} | {:.0} | {} |",
+        "| {name} | {} | {} | {} | {:.4} | {} | {:.4} | {} | {} | {:.2} | {:.1} | {:.0} | {} |",
         grid.cell_count(),
         case.steps,
         case.orders,
@@ -144,6 +144,7 @@ fn row(text: &mut String, name: &str, case: &Pitching, grid: &MultiBlock) -> Out
         cycle.means[1],
         complex(cycle.harmonics[1]),
         cycle.cycles,
+        100.0 * cycle.change,
         cycle.iterations,
         cycle.products,
         cycle.not_converged,
@@ -377,12 +378,14 @@ fn page(folder: &Path) -> Outcome<()> {
          `crates/pmb/tests/verification/unsteady/`. Reduced frequency k = omega c/(2U). Harmonics are A of a coefficient\n\
          Re(A e^(i omega t)) for a motion Re(e^(i omega t)): real part in phase with the motion, per radian of pitch or per chord of\n\
          plunge. Runs begin from the steady flow at the mean angle and end when lift and moment of two successive cycles differ by\n\
-         less than 0.2 %. `steps` are those of a cycle, `orders` the fall of the residual in each; `Newton` and `products` are means a\n\
-         step.\n\n\
+         less than 0.2 % (`change`), or after ten cycles. `steps` are those of a cycle, `orders` the fall of the residual in each; `Newton` and `products` are means a\n\
+         step. Where `change` is larger than 0.2 the flow did not become periodic: its harmonics are those of the last cycle\n\
+         only, and steps that did not converge are likely why.\n\n\
          ## A thin section against linear theory\n\n\
          NACA 0002, 161 x 33 points, pitch of 0.2 degrees about the quarter chord and plunge of the same downwash, 40 steps a\n\
          cycle, 2.5 orders a step. Reference: Possio's equation for a plate without thickness, solved in this example by\n\
-         collocation. CM about the quarter chord.\n\n{}\n\
+         collocation. CM about the quarter chord: near the aerodynamic centre it is a small difference of large loads, a few per\n\
+         cent of the lift, and thickness moves that centre; its relative errors are to be read with that in mind.\n\n{}\n\
          ![Amplitude and phase](thin.svg)\n\n\
          ## NACA 0012, AGARD CT3\n\n\
          Mach 0.600, 4.86 + 2.44 sin(omega t) degrees about the quarter chord, k 0.0810. Experiment: AGARD R-702 data set 3 (Landon) as\n\
