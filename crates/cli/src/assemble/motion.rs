@@ -47,7 +47,7 @@ pub fn clock(document: &Document, file: &PitchFile, speed_m_s: f64) -> Result<Cl
     let m = &file.motion;
     let b = file.reference.semichord.map_or(0.5 * file.reference.chord.0, |b| b.0);
     let wrong = |key: &str, message: String, help: &str| Err(document.error(key, message, help).into());
-    if !(b > 0.0) {
+    if b.is_nan() || b <= 0.0 {
         return wrong(
             "reference.semichord",
             format!("{b} m: needed a positive length"),
@@ -363,7 +363,7 @@ fn control(
             .error("motion", "a control surface needs its span", help)
             .into());
     };
-    if !(to > from) {
+    if to.is_nan() || from.is_nan() || to <= from {
         let message = format!("from {from} m to {to} m: needed two different stations in order");
         return Err(document
             .error("motion.span", message, "span = [\"0.3 m\", \"0.6 m\"]")

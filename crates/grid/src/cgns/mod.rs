@@ -45,7 +45,7 @@ pub enum CgnsError {
         what: String,
     },
     /// This program was built without CGNS.
-    #[error("{}: this program was built without CGNS; build it with `--features dip-grid/cgns` (docs/grids.md), or convert the file to Plot3D", path.display())]
+    #[error("{}: this program was built without CGNS; build it with `--features cgns` (docs/grids.md), or convert the file to Plot3D", path.display())]
     NotBuilt {
         /// The file.
         path: PathBuf,

@@ -33,7 +33,7 @@ fn help() -> String {
     let cgns = if IS_BUILT {
         "CGNS is built in."
     } else {
-        "CGNS is not built in: `cargo build --release -p dip -p dip-grid --features dip-grid/cgns`."
+        "CGNS is not built in: `cargo build --release --features cgns`."
     };
     format!("{EXAMPLES}\n{cgns}")
 }

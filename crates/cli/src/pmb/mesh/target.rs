@@ -106,7 +106,7 @@ pub fn check_new(file: &Path, force: bool) -> Result<(), Stop> {
     if cgns::is_named_so(file) && !cgns::IS_BUILT {
         return Err(Stop::input(
             format!("{}: this program was built without CGNS", file.display()),
-            "build it with `--features dip-grid/cgns` (docs/grids.md), or use .xyz for Plot3D",
+            "build it with `--features cgns` (docs/grids.md), or use .xyz for Plot3D",
         ));
     }
     if file.exists() && !force {

@@ -21,6 +21,9 @@ pub struct Line {
     pub solved: (f64, usize, usize),
 }
 
+/// From the first flow's walls to the recorded surface and the shape of the coordinate on it, `[patch][node]`.
+type MakeSurface = Box<dyn Fn(&[WallPatch]) -> (SurfaceGrid, Vec<Vec<[f64; 3]>>)>;
+
 /// Writes the recording and keeps the last cycle's pressures.
 pub struct Recorder {
     /// Progress and Ctrl-C.
@@ -28,7 +31,7 @@ pub struct Recorder {
     path: PathBuf,
     /// Everything but the surface, which is made from the first flow's walls.
     setup: Setup,
-    surface: Box<dyn Fn(&[WallPatch]) -> (SurfaceGrid, Vec<Vec<[f64; 3]>>)>,
+    surface: MakeSurface,
     writer: Option<Writer>,
     /// Last step of an earlier run.
     resumed: Option<u32>,
