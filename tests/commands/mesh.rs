@@ -116,7 +116,7 @@ fn cgns_is_read_and_written_or_says_how_to_get_it() {
             &["mesh", "grid.toml", "-o", "wing.cgns"][..],
             &["mesh", "check", "wing.cgns"],
         ] {
-            case.run("pmb", args).exits(2).says(&["--features dip-grid/cgns"]);
+            case.run("pmb", args).exits(2).says(&["--features cgns"]);
         }
         return;
     }
