@@ -6,6 +6,7 @@ mod commands {
     pub mod deck;
     pub mod flutter;
     pub mod mesh;
+    pub mod pitch;
     pub mod recording;
     pub mod setup;
     pub mod steady;

@@ -9,6 +9,7 @@ pub mod dlm;
 mod exit;
 mod figures;
 mod frequency;
+mod load_harmonics;
 mod options;
 mod output;
 pub mod pmb;

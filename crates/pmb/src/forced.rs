@@ -11,10 +11,10 @@ use serde::{Deserialize, Serialize};
 use crate::dual_time::{DualTime, DualTimeSettings, StepOutcome};
 use crate::error::FlowError;
 use crate::loads::{Loads, WallGeometry, WallPatch, integrate};
-use crate::motion::Motion;
+use crate::motion::{Motion, Shape};
 use crate::moving::Nodes;
 use crate::observer::Observer;
-use crate::restart::{doubles, put_doubles, read_checked, write_checked};
+use crate::restart::{checksum, doubles, put_doubles, read_checked, write_checked};
 use crate::settings::{FarField, SteadySettings};
 use crate::steady::{self, StopReason};
 
@@ -34,7 +34,7 @@ pub struct ForcedSettings {
     /// Ends when lift and moment of two successive cycles differ by less than this part of their amplitude (root mean
     /// square); 0 never.
     pub cycle_tolerance: f64,
-    /// Restart file.
+    /// Restart file; the first one is written with step 0, so that a run can always be gone on with from there.
     pub restart: Option<PathBuf>,
     /// Go on from it, if it is there.
     pub resume: bool,
@@ -82,7 +82,7 @@ pub trait ForcedObserver: Observer {
     /// After every step.
     ///
     /// # Errors
-    /// Anything that makes going on useless (a full disk); the run ends after writing its restart file.
+    /// Anything that makes going on useless (a full disk); the run ends and its last restart file stays.
     fn step(&mut self, step: &ForcedStep<'_>) -> Result<(), String>;
     /// The steps before `number + 1` were done by a run that stopped; recordings go on after `number`.
     ///
@@ -96,7 +96,7 @@ pub trait ForcedObserver: Observer {
 pub struct ForcedResult {
     /// Why it ended.
     pub stop: ForcedStop,
-    /// Why the steady start ended; none if the run was resumed.
+    /// Why the steady start ended.
     pub steady_stop: Option<StopReason>,
     /// Steps taken in all.
     pub steps: usize,
@@ -122,6 +122,9 @@ struct Kept {
     settings: ForcedSettings,
     limiter_constant: f64,
     coordinates: Vec<String>,
+    /// Checksum of the grid at rest.
+    grid: u64,
+    steady_stop: Option<StopReason>,
     history: Vec<[f64; 3]>,
     not_converged: usize,
     iterations: usize,
@@ -181,11 +184,13 @@ pub fn run(
         cycle_change: f64::NAN,
         began: Instant::now(),
         first: 0,
+        steady_stop,
     };
     match kept {
         Some((kept, values)) => {
             run.flow.restore(&kept.state, &values).map_err(|e| named(e, settings))?;
             run.history = kept.history;
+            run.steady_stop = kept.steady_stop;
             (run.not_converged, run.iterations) = (kept.not_converged, kept.iterations);
             (run.products, run.builds) = (kept.products, kept.builds);
             run.first = run.flow.step;
@@ -194,18 +199,20 @@ pub fn run(
                 .resumed(run.first)
                 .map_err(|what| FlowError::Observer { what })?;
         }
-        None => run.report(
-            &StepOutcome {
+        None => {
+            let start = StepOutcome {
                 converged: true,
                 ..StepOutcome::default()
-            },
-            observer,
-        )?,
+            };
+            run.report(&start, observer)?;
+            // From here on a killed run can be gone on with.
+            run.write()?;
+        }
     }
     let stop = run.march(observer, cancel)?;
     Ok(ForcedResult {
         stop,
-        steady_stop,
+        steady_stop: run.steady_stop,
         steps: run.flow.step,
         not_converged: run.not_converged,
         iterations: run.iterations,
@@ -305,16 +312,30 @@ fn read_kept(settings: &ForcedSettings, motion: &Motion) -> Result<Option<(Kept,
             describe(motion)
         )));
     }
+    if kept.grid != checksum_of(&motion.rest) {
+        return Err(wrong("it is of another grid".to_owned()));
+    }
     Ok(Some((kept, doubles(&body))))
 }
 
-/// Name and law of every coordinate.
+/// Name, shape, and law of every coordinate.
 fn describe(motion: &Motion) -> Vec<String> {
     motion
         .coordinates
         .iter()
-        .map(|c| format!("{}: {:?}", c.name, c.law))
+        .map(|c| {
+            let shape = match &c.shape {
+                Shape::Field(nodes) => format!("field {:016x}", checksum_of(nodes)),
+                rigid => format!("{rigid:?}"),
+            };
+            format!("{}: {shape}, {:?}", c.name, c.law)
+        })
         .collect()
+}
+
+/// Tells one set of nodes from another.
+fn checksum_of(nodes: &Nodes) -> u64 {
+    checksum(nodes.blocks.iter().flatten().flatten().flat_map(|v| v.to_le_bytes()))
 }
 
 struct Run<'a> {
@@ -332,6 +353,7 @@ struct Run<'a> {
     began: Instant,
     /// Steps that an earlier run took.
     first: usize,
+    steady_stop: Option<StopReason>,
 }
 
 impl Run<'_> {
@@ -361,10 +383,8 @@ impl Run<'_> {
                     self.flow.step, outcome.orders, self.settings.time.orders
                 ));
             }
-            if let Err(e) = self.report(&outcome, observer) {
-                self.write()?;
-                return Err(e);
-            }
+            // The last restart file stays if this fails: what the observer kept may not reach this step.
+            self.report(&outcome, observer)?;
             let every = self.settings.checkpoint_steps;
             if every > 0 && self.flow.step.is_multiple_of(every) {
                 self.write()?;
@@ -439,6 +459,8 @@ impl Run<'_> {
             settings: self.settings.clone(),
             limiter_constant: self.limiter_constant,
             coordinates: describe(self.motion),
+            grid: checksum_of(&self.motion.rest),
+            steady_stop: self.steady_stop.clone(),
             history: self.history.clone(),
             not_converged: self.not_converged,
             iterations: self.iterations,

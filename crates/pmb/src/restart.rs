@@ -53,19 +53,22 @@ struct Checked<W> {
     sum: u64,
 }
 
-fn fnv(mut sum: u64, bytes: &[u8]) -> u64 {
-    for b in bytes {
-        sum = (sum ^ u64::from(*b)).wrapping_mul(0x0100_0000_01b3);
-    }
-    sum
+fn fnv(sum: u64, bytes: impl IntoIterator<Item = u8>) -> u64 {
+    let step = |sum: u64, b: u8| (sum ^ u64::from(b)).wrapping_mul(0x0100_0000_01b3);
+    bytes.into_iter().fold(sum, step)
 }
 
 const FNV_START: u64 = 0xcbf2_9ce4_8422_2325;
 
+/// The files' checksum of anything else.
+pub(crate) fn checksum(bytes: impl IntoIterator<Item = u8>) -> u64 {
+    fnv(FNV_START, bytes)
+}
+
 impl<W: Write> Write for Checked<W> {
     fn write(&mut self, buf: &[u8]) -> std::io::Result<usize> {
         let n = self.inner.write(buf)?;
-        self.sum = fnv(self.sum, &buf[..n]);
+        self.sum = fnv(self.sum, buf[..n].iter().copied());
         Ok(n)
     }
     fn flush(&mut self) -> std::io::Result<()> {
@@ -153,7 +156,7 @@ pub(crate) fn read_checked(path: &Path, magic: &[u8; 8]) -> Result<(Vec<u8>, Vec
     }
     let (body, sum) = bytes.split_at(bytes.len() - 8);
     let sum = <[u8; 8]>::try_from(sum).map(u64::from_le_bytes).unwrap_or_default();
-    if fnv(FNV_START, body) != sum {
+    if checksum(body.iter().copied()) != sum {
         return Err(wrong(
             "the checksum is wrong: the file is damaged or was cut short; start the run anew",
         ));

@@ -59,6 +59,9 @@ pub struct Writer {
     last: Option<(u32, f64)>,
     /// Number of the last step that is in a chunk that was handed to the system.
     flushed: Option<u32>,
+    /// While a run that was gone on with has not yet handed the kept steps to the system: the new file, which then takes
+    /// the old one's place. A kill before that leaves the old one.
+    part: Option<PathBuf>,
 }
 
 /// The container and its channels.
@@ -171,8 +174,9 @@ impl Writer {
     }
 
     /// Goes on with the recording of a run that was stopped or killed: keeps its steps up to and including `last_step`
-    /// and waits for the next one. The steps are copied to a new file that takes the old one's place, so the result is the
-    /// same to the bit as that of a run that was never stopped.
+    /// and waits for the next one. The steps are copied to a new file that takes the old one's place once all of them are
+    /// with the system, so that a second kill finds one or the other; the result is the same to the bit as that of a run
+    /// that was never stopped.
     ///
     /// # Errors
     /// [`RecordError::Resume`] if the old file does not reach `last_step` or records another flow, motion or surface; the
@@ -183,7 +187,9 @@ impl Writer {
             path: name.clone(),
             what,
         };
-        let Salvage { recording: old, .. } = Recording::read_salvage(path)?;
+        let Salvage { recording: mut old, .. } = Recording::read_salvage(path)?;
+        // A run may be gone on with for more cycles than were asked for at first.
+        old.setup.references.cycles_asked = setup.references.cycles_asked;
         for (what, same) in [
             ("the reference quantities", old.setup.references == setup.references),
             ("the motion", old.setup.motion == setup.motion),
@@ -210,8 +216,20 @@ impl Writer {
         for step in old.steps.iter().take_while(|s| s.number <= last_step) {
             writer.step(step)?;
         }
-        fs::rename(&part, path).map_err(|source| RecordError::Io { path: name, source })?;
+        writer.part = Some(part);
+        if writer.flushed == Some(last_step) {
+            writer.take_place()?;
+        }
         Ok(writer)
+    }
+
+    /// Puts the new file in the place of the one that was gone on from.
+    fn take_place(&mut self) -> Result<(), RecordError> {
+        let Some(part) = self.part.take() else { return Ok(()) };
+        fs::rename(&part, &self.path).map_err(|source| RecordError::Io {
+            path: self.path.display().to_string(),
+            source,
+        })
     }
 
     fn begin(file: &Path, path: &Path, setup: Setup, options: WriterOptions) -> Result<Self, RecordError> {
@@ -251,6 +269,7 @@ impl Writer {
             file: twin,
             last: None,
             flushed: None,
+            part: None,
         })
     }
 
@@ -271,6 +290,7 @@ impl Writer {
         if step.number.is_multiple_of(self.options.steps_per_chunk) {
             out.inner.flush().map_err(|e| container(&self.path, e))?;
             self.flushed = Some(step.number);
+            self.take_place()?;
         }
         Ok(())
     }
@@ -328,7 +348,8 @@ impl Writer {
     /// [`RecordError::Io`] or [`RecordError::Container`].
     pub fn finish(mut self, reason: &str) -> Result<(), RecordError> {
         let Some(out) = self.out.take() else { return Ok(()) };
-        out.finish(reason).map_err(|e| container(&self.path, e))
+        out.finish(reason).map_err(|e| container(&self.path, e))?;
+        self.take_place()
     }
 }
 

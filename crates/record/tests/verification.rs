@@ -153,6 +153,40 @@ fn a_resumed_recording_is_the_one_that_was_never_stopped() {
     }
 }
 
+/// Stopped in order between two chunks, gone on with, and killed before the next chunk: the steps up to the restart are
+/// still there, and so is the way on.
+#[test]
+fn a_kill_just_after_resuming_loses_nothing() {
+    let dir = folder();
+    let setup = synthetic::setup([6, 4]);
+    let whole = dir.path().join("whole.mcap");
+    record(&whole, &setup, WriterOptions::default(), 33);
+    let path = dir.path().join("stopped.mcap");
+    record(&path, &setup, WriterOptions::default(), 18);
+    let resume = |cycles: f64| {
+        let mut setup = setup.clone();
+        setup.references.cycles_asked = Some(cycles);
+        Writer::resume(&path, setup, WriterOptions::default(), 17).unwrap()
+    };
+    let mut writer = resume(9.0);
+    writer.step(&synthetic::step(&setup, 18)).unwrap();
+    drop(writer);
+    let reaches = Recording::read_salvage(&path)
+        .unwrap()
+        .recording
+        .steps
+        .last()
+        .unwrap()
+        .number;
+    assert!(reaches >= 17, "{reaches}");
+    let mut writer = resume(setup.references.cycles_asked.unwrap());
+    for n in 18..33 {
+        writer.step(&synthetic::step(&setup, n)).unwrap();
+    }
+    writer.finish("two cycles agree").unwrap();
+    assert!(fs::read(&path).unwrap() == fs::read(whole).unwrap());
+}
+
 #[test]
 fn resuming_what_does_not_fit_is_refused_and_keeps_the_file() {
     let dir = folder();

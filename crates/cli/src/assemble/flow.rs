@@ -169,6 +169,7 @@ pub fn explain(document: &Document, error: FlowError) -> Stop {
     match &error {
         FlowError::Setting { key, got, needed } => {
             let place = match *key {
+                "far_field" => "steady.far_field",
                 "limiter_constant" => "steady.limiter_constant",
                 "solver.orders" => "steady.orders",
                 "solver.cfl_start" => "steady.cfl",
@@ -194,6 +195,10 @@ pub fn explain(document: &Document, error: FlowError) -> Stop {
         FlowError::State { .. } => Stop::failed(
             error.to_string(),
             "start with a smaller CFL number (--set steady.cfl=1), and look at the grid by `pmb mesh check`",
+        ),
+        FlowError::Observer { .. } => Stop::failed(
+            error.to_string(),
+            "check the disk's space and the folder's rights; --resume goes on from the restart file",
         ),
         FlowError::Io { .. } => Stop::failed(error.to_string(), "check the disk's space and the folder's rights"),
         _ => Stop::failed(

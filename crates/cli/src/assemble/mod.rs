@@ -9,3 +9,4 @@ pub mod modes;
 pub mod motion;
 mod nastran_modes;
 pub mod structure;
+pub mod surface;

@@ -1,7 +1,8 @@
 //! From `[motion]` to what the flow solver moves and what a recording says of it.
 
-use super::{deformation, modes};
+use super::{deformation, modes, surface};
 use crate::exit::Stop;
+
 use dip_case::Document;
 use dip_case::file::{Amount, MotionKind, MotionLaw, PitchFile};
 use dip_case::units::{Angle, Kind, Length, UnitError};
@@ -31,12 +32,25 @@ pub struct Clock {
 pub struct Prescribed {
     /// For the flow solver: time in metres over stream speed.
     pub motion: pmb::Motion,
-    /// For the recording; its `shape_m` is filled from [`Prescribed::field`] once the walls are known.
+    /// For the recording, without the shape: see [`Prescribed::recorded`].
     pub coordinate: record::MotionCoordinate,
     /// Displacement of every node for a unit of the coordinate, where the shape is not rigid.
     pub field: Option<Nodes>,
     /// Amplitude of the first sine, pulse or ramp, SI.
     pub amplitude: f64,
+}
+
+impl Prescribed {
+    /// The coordinate as a recording has it, with its shape on the walls of the grid where it is not rigid.
+    pub fn recorded(&self, grid: &MultiBlock) -> record::MotionCoordinate {
+        record::MotionCoordinate {
+            shape_m: self
+                .field
+                .as_ref()
+                .map_or_else(Vec::new, |f| surface::at_walls(grid, f)),
+            ..self.coordinate.clone()
+        }
+    }
 }
 
 /// Frequencies and steps of a case.
@@ -146,6 +160,15 @@ pub fn prescribed(
         if h.multiple == 0 || m.law != MotionLaw::Harmonic {
             let message = "a sine needs a whole multiple of the frequency from 1 on, and a harmonic motion";
             return Err(document.error(&key, message, "multiple = 2").into());
+        }
+        // At half the steps of a cycle and above, a sine cannot be told from one of a lower frequency.
+        if 2 * h.multiple >= m.steps_per_cycle {
+            let message = format!(
+                "multiple = {} with {} steps per cycle: needed less than half of them",
+                h.multiple, m.steps_per_cycle
+            );
+            let help = "more motion.steps_per_cycle";
+            return Err(document.error(&format!("{key}.multiple"), message, help).into());
         }
         harmonics.push(record::Harmonic {
             omega_rad_s: h.multiple as f64 * clock.omega_rad_s,

@@ -2,12 +2,11 @@
 
 use super::recording;
 use crate::exit::{Done, Stop};
+use crate::load_harmonics;
 use crate::output::RunFolder;
 use crate::{options, output};
-use dip_correct::harmonic::{self, Histories, Model};
 use dip_correct::reading::{self, Reading, ReadingSettings};
 use dip_record::{Recording, csv, paraview};
-use num_complex::Complex64;
 use serde::Serialize;
 use std::fmt::Write as _;
 use std::path::PathBuf;
@@ -246,11 +245,8 @@ impl Harmonics {
 
 impl Summary {
     fn new(recording: &Recording, r: &Reading, all: &[Reading]) -> Result<Self, dip_correct::HarmonicError> {
-        let loads = match r.source {
-            reading::Source::Harmonic => Some(loads(recording, r, all)?),
-            reading::Source::Pulse | reading::Source::Ramp => None,
-        };
-        let load = |n: usize| loads.as_ref().and_then(|l| l.get(n)).map(|a| [a.re, a.im]);
+        let loads = load_harmonics::of(recording, r, all)?;
+        let load = |n: usize| loads.as_ref().map(|l| [l.first[n].re, l.first[n].im]);
         Ok(Self {
             coordinate: r.name.clone(),
             unit: r.kind.unit(),
@@ -269,38 +265,4 @@ impl Summary {
             unconverged: r.quality.unconverged,
         })
     }
-}
-
-/// CL, CD and CM per unit of the motion, over the same cycles as the pressures.
-fn loads(recording: &Recording, r: &Reading, all: &[Reading]) -> Result<Vec<Complex64>, dip_correct::HarmonicError> {
-    let Some(coordinate) = recording.setup.motion.iter().position(|c| c.name == r.name) else {
-        return Ok(Vec::new());
-    };
-    let time_s: Vec<f64> = recording.steps.iter().map(|s| s.time_s).collect();
-    let values: Vec<Vec<f64>> = recording
-        .steps
-        .iter()
-        .map(|s| vec![s.loads.cl, s.loads.cd, s.loads.cm, s.motion[coordinate].value])
-        .collect();
-    let omega_rad_s: Vec<f64> = all.iter().map(|r| r.omega_rad_s).collect();
-    let lowest = omega_rad_s.iter().copied().fold(f64::INFINITY, f64::min);
-    let cycles = harmonic::whole_cycles(&time_s, lowest)?;
-    let first = cycles.len().saturating_sub(r.quality.cycles_used);
-    let start = cycles.get(first).map_or(0, |c| c.start);
-    let own = all.iter().position(|a| std::ptr::eq(a, r)).unwrap_or(0);
-    let model = Model {
-        omega_rad_s,
-        harmonics: r.higher.len() + 1,
-        drift: true,
-        phase_origin_s: 0.0,
-    };
-    let histories = Histories {
-        time_s: &time_s,
-        values: &values,
-    };
-    let fit = harmonic::fit(histories, start..time_s.len(), &model)?;
-    let motion = fit.amplitude[own][0][3];
-    let mut per_unit = fit.per_unit_of(motion, own, 1)?;
-    per_unit.truncate(3);
-    Ok(per_unit)
 }

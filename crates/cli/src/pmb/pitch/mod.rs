@@ -1,25 +1,24 @@
 //! `pmb pitch`: unsteady flow with prescribed motion, and its recording.
 
 mod files;
-pub mod harmonics;
 mod recorder;
-mod surface;
 
 use crate::assemble::motion::{self, Clock};
-use crate::assemble::{flow, grid};
+use crate::assemble::{flow, grid, surface};
 use crate::exit::{Done, Stop};
+use crate::load_harmonics::{self, LoadHarmonics};
 use crate::options::Common;
 use crate::output::{self, RunFolder};
 use crate::pmb::steady::{cuts, watch::Watch};
 use crate::progress::{Seconds, Timer, watch_interrupts};
 use crate::stamp::{Fingerprint, Stamp};
-use dip_case::file::{MotionKind, PitchFile, SteadyFile, TimeSchemeKind};
+use dip_case::file::{MotionLaw, PitchFile, SteadyFile, TimeSchemeKind};
 use dip_case::{Document, atmosphere};
+use dip_correct::reading::{self, Reading, ReadingSettings};
 use dip_pmb::dual_time::{DualTimeSettings, TimeScheme};
 use dip_pmb::forced::{self, ForcedResult, ForcedSettings, ForcedStop};
 use dip_pmb::steady::StopReason;
-use dip_record::{Provenance, References, Setup, SurfaceGrid, WriterOptions};
-use harmonics::Harmonic;
+use dip_record::{MotionCoordinate, Provenance, Recording, References, Setup, WriterOptions};
 use recorder::Recorder;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
@@ -53,6 +52,27 @@ const EXAMPLES: &str = "Examples:
 Exit codes: 0 done; 1 failed; 2 bad arguments or input; 3 done, but steps did not converge or cycles do not agree;
 130 interrupted, --resume goes on.";
 
+/// Mean and first harmonic of a coefficient.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+struct Harmonic {
+    /// Mean over the cycle.
+    mean: f64,
+    /// Part in phase with the motion, per radian, metre or 1.
+    real: f64,
+    /// Part a quarter of a cycle ahead of it.
+    imaginary: f64,
+}
+
+/// A further sine of the motion and what answers it at its frequency: real and imaginary part per radian, metre or 1.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+struct Further {
+    multiple: usize,
+    reduced_frequency: f64,
+    cl: [f64; 2],
+    cd: [f64; 2],
+    cm: [f64; 2],
+}
+
 /// What `summary.json` holds.
 #[derive(Debug, Serialize)]
 struct Summary<'a> {
@@ -69,6 +89,8 @@ struct Summary<'a> {
     frequency_hz: f64,
     reduced_frequency: f64,
     amplitude: f64,
+    /// Modes and control surfaces: how far the amplitude moves the wall.
+    largest_displacement_m: Option<f64>,
     steps_per_cycle: usize,
     steps: usize,
     steps_not_converged: usize,
@@ -81,6 +103,8 @@ struct Summary<'a> {
     cl: Option<Harmonic>,
     cd: Option<Harmonic>,
     cm: Option<Harmonic>,
+    /// Of each further sine of `[[motion.harmonic]]`.
+    further: Vec<Further>,
     /// With half the amplitude, where asked for: the largest change of the harmonics of lift and moment, as a part.
     linearity: Option<f64>,
     cells: usize,
@@ -199,6 +223,10 @@ pub fn compute(document: &Document, path: &Path, resume: bool, common: &Common) 
         ));
     }
     let folder = RunFolder::open(path, &stamp, common.force || resume)?;
+    if !resume {
+        // That of another run must not be gone on with where this one stops before it has its own.
+        let _ = std::fs::remove_file(&restart);
+    }
     folder.write(CASE, document.text().as_bytes())?;
     // The steady flow only starts the motion: deep enough for the first steps, no more.
     settings.solver.orders = file.steady.orders.unwrap_or(6.0);
@@ -231,9 +259,9 @@ pub fn compute(document: &Document, path: &Path, resume: bool, common: &Common) 
         checkpoint_steps: every.div_ceil(chunk) * chunk,
     };
     let setup = Setup {
-        references: references(document, &file, &mesh.grid, &settings, &stream, &clock, orders),
-        motion: vec![prescribed.coordinate.clone()],
-        surface: SurfaceGrid::default(),
+        references: references(&file, &mesh.grid, &settings, &stream, &clock, orders),
+        motion: vec![prescribed.recorded(&mesh.grid)],
+        surface: surface::patches(&mesh.grid),
         provenance: Provenance {
             program: "pmb pitch".to_owned(),
             version: format!("{} ({})", stamp.version, stamp.commit),
@@ -242,19 +270,25 @@ pub fn compute(document: &Document, path: &Path, resume: bool, common: &Common) 
             mesh_sha256: mesh.hash.clone(),
         },
     };
+    let largest_m = largest_displacement_m(&setup.motion, prescribed.amplitude);
+    if let (Some(largest), Some(coordinate)) = (largest_m, setup.motion.first()) {
+        tracing::info!("{}: the wall moves by up to {largest:.3e} m", coordinate.name);
+    }
     let timer = Timer::start();
-    let (result, recorder) = march(
+    let run = Run {
         document,
-        &folder,
-        RECORDING,
-        &forced,
-        &mesh.grid,
-        &prescribed,
-        setup.clone(),
-        &clock,
+        folder: &folder,
+        grid: &mesh.grid,
         common,
-    )?;
+    };
+    let (result, recording) = run.march(RECORDING, &forced, &prescribed, setup.clone())?;
     stages.push(("flow".to_owned(), timer.seconds()));
+    if result.history.is_empty() {
+        return Err(Stop::Interrupted(
+            "the steady flow that the motion starts from was not reached; start anew, there is nothing to resume"
+                .to_owned(),
+        ));
+    }
     if result.stop == ForcedStop::Interrupted {
         return Err(Stop::Interrupted(format!(
             "{} time steps are in {} and {}; --resume goes on",
@@ -263,25 +297,15 @@ pub fn compute(document: &Document, path: &Path, resume: bool, common: &Common) 
             folder.path().join(RESTART).display(),
         )));
     }
-    let harmonic = harmonic_of(&result, &recorder, &clock);
+    let readings = readings(&recording, &file)?;
+    let loads = first_loads(&recording, &readings)?;
     let linearity = if file.motion.linearity {
         let timer = Timer::start();
-        let half = halved(
-            document,
-            &folder,
-            &forced,
-            &mesh.grid,
-            &prescribed,
-            setup,
-            &clock,
-            common,
-        )?;
+        let half = run.halved(&forced, &file, prescribed.clone(), setup)?;
         stages.push(("flow with half the amplitude".to_owned(), timer.seconds()));
-        harmonic.zip(half).map(|(a, b)| {
-            [(a[0], b[0]), (a[2], b[2])]
-                .iter()
-                .map(|(a, b)| (a.real - b.real).hypot(a.imaginary - b.imaginary) / a.real.hypot(a.imaginary))
-                .fold(0.0, f64::max)
+        loads.as_ref().zip(half).map(|(whole, half)| {
+            let change = |c: usize| (whole.first[c] - half.first[c]).norm() / whole.first[c].norm();
+            change(0).max(change(2))
         })
     } else {
         None
@@ -289,27 +313,15 @@ pub fn compute(document: &Document, path: &Path, resume: bool, common: &Common) 
 
     let timer = Timer::start();
     let title = format!("Mach {}, k = {:.4}", settings.flow.mach, clock.reduced_frequency);
-    files::loads(
-        &folder,
-        &title,
-        unit(file.motion.kind),
-        &recorder.lines,
-        clock.steps_per_cycle,
-        &result,
-    )?;
-    if clock.steps_per_cycle > 0 && recorder.walls.len() == clock.steps_per_cycle {
-        let values = last_values(&recorder, clock.steps_per_cycle);
-        if let Some([real, imaginary]) = harmonics::walls(&recorder.walls, &values) {
-            let parts = [
-                cuts::make(&stations, &mesh.grid, &real),
-                cuts::make(&stations, &mesh.grid, &imaginary),
-            ];
-            files::pressures(
-                &folder,
-                &format!("{title}: first harmonic of Cp per unit of motion"),
-                &parts,
-            )?;
-        }
+    let unit = files::Unit::of(file.motion.kind);
+    files::loads(&folder, &title, &unit, &recording, clock.steps_per_cycle)?;
+    if let (Some(reading), true) = (readings.first(), clock.steps_per_cycle > 0) {
+        let cut = |part: fn(&num_complex::Complex64) -> f64| {
+            let walls = surface::walls(&mesh.grid, &recording.setup.surface, reading.cp.iter().map(part));
+            cuts::make(&stations, &mesh.grid, &walls)
+        };
+        let parts = [cut(|c| c.re), cut(|c| c.im)];
+        files::pressures(&folder, &format!("{title}: first harmonic of Cp"), &unit, &parts)?;
     }
     stages.push(("write".to_owned(), timer.seconds()));
 
@@ -317,7 +329,34 @@ pub fn compute(document: &Document, path: &Path, resume: bool, common: &Common) 
     for warning in &warnings {
         tracing::warn!("{warning}");
     }
-    let text = text(&title, &result, harmonic.as_ref(), linearity);
+    let harmonic = loads.as_ref().map(|l| {
+        [0, 1, 2].map(|c| Harmonic {
+            mean: l.mean[c],
+            real: l.first[c].re,
+            imaginary: l.first[c].im,
+        })
+    });
+    let further: Vec<Further> = loads
+        .iter()
+        .flat_map(|l| &l.further)
+        .map(|(multiple, answer)| {
+            let [cl, cd, cm] = answer.map(|a| [a.re, a.im]);
+            Further {
+                multiple: *multiple,
+                reduced_frequency: *multiple as f64 * clock.reduced_frequency,
+                cl,
+                cd,
+                cm,
+            }
+        })
+        .collect();
+    let mut text = text(&title, &result, harmonic.as_ref(), &further, linearity);
+    if file.motion.law == MotionLaw::Pulse {
+        text.push_str(&format!(
+            "`dip export {} --harmonics --k K` transforms the pulse at any reduced frequency K\n",
+            folder.path().join(RECORDING).display()
+        ));
+    }
     let summary = Summary {
         command: "pmb pitch",
         stamp,
@@ -332,6 +371,7 @@ pub fn compute(document: &Document, path: &Path, resume: bool, common: &Common) 
         frequency_hz: clock.omega_rad_s / std::f64::consts::TAU,
         reduced_frequency: clock.reduced_frequency,
         amplitude: prescribed.amplitude,
+        largest_displacement_m: largest_m,
         steps_per_cycle: clock.steps_per_cycle,
         steps: result.steps,
         steps_not_converged: result.not_converged,
@@ -342,6 +382,7 @@ pub fn compute(document: &Document, path: &Path, resume: bool, common: &Common) 
         cl: harmonic.map(|h| h[0]),
         cd: harmonic.map(|h| h[1]),
         cm: harmonic.map(|h| h[2]),
+        further,
         linearity,
         cells: mesh.grid.cell_count(),
         mesh_hash: &mesh.hash,
@@ -359,6 +400,16 @@ pub fn compute(document: &Document, path: &Path, resume: bool, common: &Common) 
         text,
         warnings,
     })
+}
+
+/// How far the amplitude moves the wall, m, where the shape is not rigid: what a unit of a mode is differs from one source
+/// of modes to the next.
+fn largest_displacement_m(motion: &[MotionCoordinate], amplitude: f64) -> Option<f64> {
+    let lengths = motion
+        .iter()
+        .flat_map(|c| c.shape_m.iter().flatten())
+        .map(|d| d.iter().map(|x| x * x).sum::<f64>().sqrt());
+    lengths.reduce(f64::max).map(|largest| (largest * amplitude).abs())
 }
 
 /// Speed and density of the stream.
@@ -403,7 +454,6 @@ pub fn steady_file(file: &PitchFile) -> SteadyFile {
 }
 
 fn references(
-    document: &Document,
     file: &PitchFile,
     grid: &dip_grid::MultiBlock,
     settings: &dip_pmb::settings::SteadySettings,
@@ -411,7 +461,6 @@ fn references(
     clock: &Clock,
     orders: f64,
 ) -> References {
-    let _ = document;
     let planar = grid.is_two_dimensional();
     let [lo, hi] = grid.bounds();
     let half = !planar
@@ -464,118 +513,109 @@ fn references(
     }
 }
 
-#[expect(clippy::too_many_arguments, reason = "each is a different thing")]
-fn march(
-    document: &Document,
-    folder: &RunFolder,
-    recording: &str,
-    settings: &ForcedSettings,
-    grid: &dip_grid::MultiBlock,
-    prescribed: &motion::Prescribed,
-    setup: Setup,
-    clock: &Clock,
-    common: &Common,
-) -> Result<(ForcedResult, Recorder), Stop> {
-    let watch = Watch::new(common.quiet, settings.steady.solver.orders);
-    let cancel = watch.cancel();
-    let (own, field) = (grid.clone(), prescribed.field.clone());
-    let surface = move |walls: &[dip_pmb::loads::WallPatch]| {
-        let shape = field.as_ref().map_or_else(Vec::new, |f| surface::at_walls(&own, f));
-        (surface::patches(&own, walls), shape)
-    };
-    let path = folder.path().join(recording);
-    let mut recorder = Recorder::new(watch, path, setup, surface, clock.steps_per_cycle, settings.steps);
-    let result = forced::run(settings, grid, &prescribed.motion, &mut recorder, &cancel);
-    recorder.watch.finish();
-    let reason = match &result {
-        Ok(r) => serde_json::to_value(r.stop)
-            .ok()
-            .and_then(|v| v.as_str().map(str::to_owned))
-            .unwrap_or_default(),
-        Err(e) => format!("failed: {e}"),
-    };
-    let closed = recorder.finish(&reason);
-    let result = result.map_err(|e| flow::explain(document, e))?;
-    closed.map_err(|e| Stop::failed(e, "check the disk's space; `dip doctor` says what can be saved"))?;
-    Ok((result, recorder))
+/// What the runs with whole and with half the amplitude have in common.
+struct Run<'a> {
+    document: &'a Document,
+    folder: &'a RunFolder,
+    grid: &'a dip_grid::MultiBlock,
+    common: &'a Common,
 }
 
-#[expect(clippy::too_many_arguments, reason = "each is a different thing")]
-fn halved(
-    document: &Document,
-    folder: &RunFolder,
-    settings: &ForcedSettings,
-    grid: &dip_grid::MultiBlock,
-    prescribed: &motion::Prescribed,
-    mut setup: Setup,
-    clock: &Clock,
-    common: &Common,
-) -> Result<Option<[Harmonic; 3]>, Stop> {
-    let mut half = prescribed.clone();
-    for coordinate in &mut half.motion.coordinates {
-        if let dip_pmb::motion::Law::Harmonic { terms, .. } = &mut coordinate.law {
-            terms.iter_mut().for_each(|t| t.amplitude *= 0.5);
+impl Run<'_> {
+    /// Runs the motion; the recording is read back, so that all results are those of the file and hold the steps of an
+    /// earlier run that was gone on with.
+    fn march(
+        &self,
+        name: &str,
+        settings: &ForcedSettings,
+        prescribed: &motion::Prescribed,
+        setup: Setup,
+    ) -> Result<(ForcedResult, Recording), Stop> {
+        let watch = Watch::new(self.common.quiet, settings.steady.solver.orders);
+        let cancel = watch.cancel();
+        let path = self.folder.path().join(name);
+        let nothing = Recording {
+            setup: setup.clone(),
+            steps: Vec::new(),
+            end: None,
+        };
+        let mut recorder = Recorder::new(watch, path.clone(), setup, settings.steps);
+        let result = forced::run(settings, self.grid, &prescribed.motion, &mut recorder, &cancel);
+        recorder.watch.finish();
+        let reason = match &result {
+            Ok(r) => serde_json::to_value(r.stop)
+                .ok()
+                .and_then(|v| v.as_str().map(str::to_owned))
+                .unwrap_or_default(),
+            Err(e) => format!("failed: {e}"),
+        };
+        let closed = recorder.finish(&reason);
+        let result = result.map_err(|e| flow::explain(self.document, e))?;
+        closed.map_err(|e| Stop::failed(e, "check the disk's space; --resume goes on from the restart file"))?;
+        if result.history.is_empty() {
+            return Ok((result, nothing));
         }
+        let recording = Recording::read(&path)
+            .map_err(|e| Stop::failed(e.to_string(), "`dip doctor` says what is wrong with the recording"))?;
+        Ok((result, recording))
     }
-    if let dip_record::Law::Harmonic { harmonics, .. } = &mut half.coordinate.law {
-        harmonics.iter_mut().for_each(|h| h.amplitude *= 0.5);
+
+    /// First harmonics of the loads with half the amplitude.
+    fn halved(
+        &self,
+        settings: &ForcedSettings,
+        file: &PitchFile,
+        mut half: motion::Prescribed,
+        mut setup: Setup,
+    ) -> Result<Option<LoadHarmonics>, Stop> {
+        for coordinate in &mut half.motion.coordinates {
+            if let dip_pmb::motion::Law::Harmonic { terms, .. } = &mut coordinate.law {
+                terms.iter_mut().for_each(|t| t.amplitude *= 0.5);
+            }
+        }
+        if let dip_record::Law::Harmonic { harmonics, .. } = &mut half.coordinate.law {
+            harmonics.iter_mut().for_each(|h| h.amplitude *= 0.5);
+        }
+        setup.motion = vec![half.recorded(self.grid)];
+        let settings = ForcedSettings {
+            restart: None,
+            resume: false,
+            ..settings.clone()
+        };
+        tracing::info!("once more with half the amplitude");
+        let (result, recording) = self.march("pitch_half.mcap", &settings, &half, setup)?;
+        if result.stop == ForcedStop::Interrupted {
+            return Err(Stop::Interrupted(format!(
+                "the run with the full amplitude is in {}; --resume goes on with half of it",
+                self.folder.path().join(RECORDING).display()
+            )));
+        }
+        first_loads(&recording, &readings(&recording, file)?)
     }
-    setup.motion = vec![half.coordinate.clone()];
-    let settings = ForcedSettings {
-        restart: None,
-        resume: false,
-        ..settings.clone()
-    };
-    tracing::info!("once more with half the amplitude");
-    let (result, recorder) = march(
-        document,
-        folder,
-        "pitch_half.mcap",
-        &settings,
-        grid,
-        &half,
-        setup,
-        clock,
-        common,
-    )?;
-    if result.stop == ForcedStop::Interrupted {
-        return Err(Stop::Interrupted(format!(
-            "the run with the full amplitude is in {}",
-            folder.path().join(RECORDING).display()
-        )));
-    }
-    Ok(harmonic_of(&result, &recorder, clock))
 }
 
-/// Values of the motion over the last whole cycle.
-fn last_values(recorder: &Recorder, n: usize) -> Vec<f64> {
-    let lines = &recorder.lines;
-    lines[lines.len().saturating_sub(n)..].iter().map(|l| l.value).collect()
+/// First harmonics over the last whole cycle, as `dip export --harmonics` gives them; none where the motion has no cycle
+/// or the run was shorter than one.
+fn readings(recording: &Recording, file: &PitchFile) -> Result<Vec<Reading>, Stop> {
+    let cycle = file.motion.steps_per_cycle;
+    if file.motion.law != MotionLaw::Harmonic || recording.steps.len() <= cycle {
+        return Ok(Vec::new());
+    }
+    reading::read(recording, RECORDING, &ReadingSettings::default()).map_err(|e| no_harmonics(&e))
 }
 
-/// First harmonics of lift, drag and moment over the last cycle of a periodic motion.
-fn harmonic_of(result: &ForcedResult, recorder: &Recorder, clock: &Clock) -> Option<[Harmonic; 3]> {
-    let n = clock.steps_per_cycle;
-    // Step 0 is the steady start and belongs to no cycle.
-    if n == 0 || result.history.len() <= n || recorder.lines.len() < n {
-        return None;
+fn first_loads(recording: &Recording, readings: &[Reading]) -> Result<Option<LoadHarmonics>, Stop> {
+    match readings.first() {
+        Some(first) => load_harmonics::of(recording, first, readings).map_err(|e| no_harmonics(&e)),
+        None => Ok(None),
     }
-    let values = last_values(recorder, n);
-    let last = &result.history[result.history.len() - n..];
-    Some([0, 1, 2].map(|c| {
-        let samples: Vec<f64> = last.iter().map(|h| h[c]).collect();
-        harmonics::of(&samples, &values)
-    }))
 }
 
-/// Label of the motion's axis and the factor to its unit.
-fn unit(kind: MotionKind) -> (&'static str, f64) {
-    match kind {
-        MotionKind::Pitch => ("Pitch, degrees", 180.0 / std::f64::consts::PI),
-        MotionKind::Control => ("Deflection, degrees", 180.0 / std::f64::consts::PI),
-        MotionKind::Plunge => ("Plunge, m", 1.0),
-        MotionKind::Mode => ("Generalized coordinate", 1.0),
-    }
+fn no_harmonics(error: &dyn std::fmt::Display) -> Stop {
+    Stop::failed(
+        format!("no first harmonics: {error}"),
+        "the recording is whole; `dip export --csv` gives its history",
+    )
 }
 
 fn warnings(result: &ForcedResult, file: &PitchFile, clock: &Clock, linearity: Option<f64>) -> Vec<String> {
@@ -607,7 +647,13 @@ fn warnings(result: &ForcedResult, file: &PitchFile, clock: &Clock, linearity: O
     warnings
 }
 
-fn text(title: &str, result: &ForcedResult, harmonic: Option<&[Harmonic; 3]>, linearity: Option<f64>) -> String {
+fn text(
+    title: &str,
+    result: &ForcedResult,
+    harmonic: Option<&[Harmonic; 3]>,
+    further: &[Further],
+    linearity: Option<f64>,
+) -> String {
     let reason = match result.stop {
         ForcedStop::Periodic => "two successive cycles agree",
         ForcedStop::AllSteps => "all steps taken",
@@ -627,6 +673,15 @@ fn text(title: &str, result: &ForcedResult, harmonic: Option<&[Harmonic; 3]>, li
                 "{name:<4}{:>13.7}{:>13.6}{:>13.6}\n",
                 h.mean, h.real, h.imaginary
             ));
+        }
+        for f in further {
+            text.push_str(&format!(
+                "at {} times the frequency, k = {:.4}\n",
+                f.multiple, f.reduced_frequency
+            ));
+            for (name, [real, imaginary]) in [("CL", f.cl), ("CD", f.cd), ("CM", f.cm)] {
+                text.push_str(&format!("{name:<4}{:>13}{real:>13.6}{imaginary:>13.6}\n", ""));
+            }
         }
         text.push_str("harmonics per radian, metre or 1 of the motion\n");
     }
