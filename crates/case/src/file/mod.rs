@@ -2,6 +2,7 @@
 
 mod correct;
 mod flutter;
+mod march;
 mod mesh;
 mod pitch;
 mod steady;
@@ -14,6 +15,7 @@ pub use flutter::{
     Approximation, ControlSurfaceTable, FlutterFile, FlutterTable, KernelKind, LatticeTable, Method, ModesTable,
     Points, ReferenceTable, Search, SplineKind, SplineTable, SurfaceTable, Symmetry,
 };
+pub use march::{CouplingKind, MarchFile, MarchTable, SearchTable, StructureScheme};
 pub use mesh::MeshTable;
 pub use pitch::{Amount, HarmonicTable, MotionKind, MotionLaw, MotionTable, PitchFile, TimeSchemeKind, TimeTable};
 pub use steady::{
@@ -36,5 +38,6 @@ pub fn schemas() -> Vec<(&'static str, schemars::Schema)> {
         ("study", schemars::schema_for!(StudyFile)),
         ("steady", schemars::schema_for!(SteadyFile)),
         ("pitch", schemars::schema_for!(PitchFile)),
+        ("march", schemars::schema_for!(MarchFile)),
     ]
 }

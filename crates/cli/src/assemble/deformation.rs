@@ -19,6 +19,15 @@ pub struct Deformation {
 /// # Errors
 /// What the transfer or the deformation refuses.
 pub fn of_modes(grid: &MultiBlock, modes: &Modes, count: usize) -> Result<Deformation, Stop> {
+    let fields = nodes(grid, &grid_modes(grid, modes, count)?);
+    Ok(Deformation { fields })
+}
+
+/// As [`of_modes`], in the form that the march takes.
+///
+/// # Errors
+/// As [`of_modes`].
+pub fn grid_modes(grid: &MultiBlock, modes: &Modes, count: usize) -> Result<GridModes, Stop> {
     let wall = moving_wall(grid)?;
     let refuse = |e: &dyn std::fmt::Display| {
         Stop::input(
@@ -30,8 +39,7 @@ pub fn of_modes(grid: &MultiBlock, modes: &Modes, count: usize) -> Result<Deform
     let transfer = Transfer::new(&surface, &wall.points(), Attachment::default()).map_err(|e| refuse(&e))?;
     let mut shapes = transfer.modes(modes).map_err(|e| refuse(&e))?;
     shapes.truncate(count);
-    let fields = spread(grid, &wall, &shapes)?;
-    Ok(Deformation { fields })
+    spread(grid, &wall, &shapes)
 }
 
 /// Carries one shape, given as the displacement of a wall point, to the grid.
@@ -41,7 +49,7 @@ pub fn of_modes(grid: &MultiBlock, modes: &Modes, count: usize) -> Result<Deform
 pub fn of_shape(grid: &MultiBlock, shape: impl Fn(Vector3<f64>) -> Vector3<f64>) -> Result<Deformation, Stop> {
     let wall = moving_wall(grid)?;
     let shape = wall.points().into_iter().map(shape).collect();
-    let fields = spread(grid, &wall, &[shape])?;
+    let fields = nodes(grid, &spread(grid, &wall, &[shape])?);
     Ok(Deformation { fields })
 }
 
@@ -54,16 +62,19 @@ fn moving_wall(grid: &MultiBlock) -> Result<MovingWall, Stop> {
     })
 }
 
-fn spread(grid: &MultiBlock, wall: &MovingWall, shapes: &[Vec<Vector3<f64>>]) -> Result<Vec<Nodes>, Stop> {
-    let modes = GridModes::new(grid, wall, shapes, None).map_err(|e| {
+fn spread(grid: &MultiBlock, wall: &MovingWall, shapes: &[Vec<Vector3<f64>>]) -> Result<GridModes, Stop> {
+    GridModes::new(grid, wall, shapes, None).map_err(|e| {
         Stop::input(
             format!("deformation of the grid: {e}"),
             "look at the grid by `pmb mesh check`",
         )
-    })?;
-    Ok((0..modes.count())
+    })
+}
+
+fn nodes(grid: &MultiBlock, modes: &GridModes) -> Vec<Nodes> {
+    (0..modes.count())
         .map(|m| Nodes {
             blocks: (0..grid.blocks.len()).map(|b| modes.field(m, b).clone()).collect(),
         })
-        .collect())
+        .collect()
 }

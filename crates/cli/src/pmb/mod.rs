@@ -1,6 +1,7 @@
 //! The `pmb` program: grids and the flow.
 
 mod check_jacobian;
+pub mod march;
 mod mesh;
 pub mod pitch;
 mod residual;
@@ -27,6 +28,7 @@ const EXAMPLES: &str = "Examples:
   pmb steady cases/agard445/steady.toml --set flow.mach=0.678 --out runs/agard-M0678
   pmb steady cases/agard445/steady.toml --resume
   pmb pitch cases/agard445/pitch.toml
+  pmb march cases/agard445/march.toml
 
 Exit codes: 0 done; 1 failed; 2 bad arguments or input; 3 done, with a warning to look at; 130 interrupted.";
 
@@ -38,6 +40,8 @@ enum Command {
     Steady(steady::Args),
     /// Unsteady flow with prescribed motion: pitch, plunge, a mode, a control surface; recording and first harmonics
     Pitch(pitch::Args),
+    /// Flow and structure marched together: one run, or the flutter point
+    March(march::Args),
     /// For developers: the assembled Jacobian against differences of the residual
     CheckJacobian(check_jacobian::Args),
     /// For developers: norms and worst cells of the residual of a case or its restart file
@@ -60,6 +64,7 @@ fn run(command: Command) -> Result<Done, Stop> {
         Command::Mesh(args) => mesh::run(&args),
         Command::Steady(args) => steady::run(&args),
         Command::Pitch(args) => pitch::run(&args),
+        Command::March(args) => march::run(&args),
         Command::CheckJacobian(args) => check_jacobian::run(&args),
         Command::Residual(args) => residual::run(&args),
         Command::Completions { shell } => {

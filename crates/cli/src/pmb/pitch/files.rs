@@ -65,7 +65,7 @@ pub fn loads(
     folder.write("history.svg", svg.as_bytes())?;
     // Step 0 is the steady start and belongs to no cycle.
     let n = steps_per_cycle;
-    let cycles = if n == 0 { 0 } else { (steps.len() - 1) / n };
+    let cycles = (steps.len() - 1).checked_div(n).unwrap_or(0);
     if cycles == 0 {
         return Ok(());
     }
