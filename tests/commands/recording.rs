@@ -312,7 +312,7 @@ fn files_that_cannot_be_used_are_explained() {
     };
     folder.changed("changed.mcap", |b| replace(b, b"200.0", b"300.0"));
     folder.changed("newer.mcap", |b| {
-        replace(b, b"format\x01\0\0\x001", b"format\x01\0\0\x009")
+        replace(b, b"format\x01\0\0\x001", b"format\x01\0\0\x009");
     });
     fs::write(folder.path("text.mcap"), "step,time_s\n").unwrap();
     fs::write(folder.path("empty.mcap"), "").unwrap();
