@@ -352,8 +352,11 @@ impl March<'_> {
             }
             let step = match self.coupled.advance() {
                 Ok(step) => step,
-                // A motion that has grown a hundredfold has answered the question; before that the failure is the answer.
-                Err(e @ (FlowError::Volume { .. } | FlowError::State { .. })) if self.growth() > 100.0 => {
+                // A motion that has grown a hundredfold, or would in this step grow beyond its bound, has answered the
+                // question; a failure before that is a failure.
+                Err(e @ (FlowError::Volume { .. } | FlowError::State { .. }))
+                    if self.growth() > 100.0 || self.is_beyond(&self.coupled.structure.integrator.next().q) =>
+                {
                     return Ok(MarchStop::RanAway(e.to_string()));
                 }
                 Err(e) => return Err(e),
@@ -383,9 +386,7 @@ impl March<'_> {
                     return Err(e);
                 }
             }
-            let largest = self.settings.largest_displacement * self.settings.steady.reference.chord;
-            let moved: Vec<f64> = step.state.q.iter().zip(&self.mean.q).map(|(q, m)| q - m).collect();
-            if self.wing.displacement(&moved) > largest {
+            if self.is_beyond(&step.state.q) {
                 self.write()?;
                 return Ok(MarchStop::RanAway(format!(
                     "the wall moved by more than {:.3} reference chords",
@@ -397,6 +398,12 @@ impl March<'_> {
                 self.write()?;
             }
         }
+    }
+
+    /// True if the wall is farther from its mean position than the settings allow.
+    fn is_beyond(&self, q: &[f64]) -> bool {
+        let moved: Vec<f64> = q.iter().zip(&self.mean.q).map(|(q, m)| q - m).collect();
+        self.wing.displacement(&moved) > self.settings.largest_displacement * self.settings.steady.reference.chord
     }
 
     /// Energy of the motion about the mean position.

@@ -1,6 +1,7 @@
 //! Exact properties: fluxes, reconstruction, residual, order of accuracy, conservation.
 
 mod flux;
+mod march;
 mod order;
 mod residual;
 mod steady;
