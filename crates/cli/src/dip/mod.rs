@@ -6,6 +6,7 @@ mod curve;
 mod doctor;
 mod export;
 mod info;
+mod marched;
 mod published;
 mod recording;
 mod report;

@@ -2,6 +2,7 @@
 
 use super::corrected;
 use super::curve::CurveResult;
+use super::marched;
 use super::study::{Study, Work};
 use crate::exit::{Done, Stop};
 use crate::options::Common;
@@ -90,6 +91,7 @@ pub fn curves(study: &Study, folder: &Path, common: &Common) -> Result<Vec<Curve
                 bar.finish_and_clear();
                 CurveResult::frequency(&curve.table.name, stamp, *method, &solved?)
             }
+            Work::March(work) => marched::compute(&curve.table.name, stamp, work, &own, common)?,
             Work::Corrected(work) => corrected::compute(&curve.table.name, stamp, work, &own, common)?,
         };
         to.write_json(output::SUMMARY, &result)?;

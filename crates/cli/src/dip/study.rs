@@ -46,6 +46,37 @@ pub enum Work {
     Dlm(Box<FlutterCase>, Method),
     /// The lattice corrected by recordings.
     Corrected(Box<CorrectedCurve>),
+    /// Flow and structure marched together.
+    March(MarchCurve),
+}
+
+/// What a marched curve is computed from.
+#[derive(Debug)]
+pub struct MarchCurve {
+    /// The case.
+    pub case: PathBuf,
+    /// Its text, overrides included.
+    text: String,
+    /// Overrides of it.
+    overrides: Vec<String>,
+    /// Mach number, speed and first density of every point: those of the experiment.
+    pub points: Vec<[f64; 3]>,
+}
+
+impl MarchCurve {
+    /// The case of a point.
+    ///
+    /// # Errors
+    /// As [`Document::read`].
+    pub fn document(&self, [mach, speed, density]: [f64; 3]) -> Result<Document, Stop> {
+        let mut overrides = self.overrides.clone();
+        overrides.extend([
+            format!("flow.mach={mach:?}"),
+            format!("flow.speed={speed:?}"),
+            format!("flow.density={density:?}"),
+        ]);
+        Ok(Document::read(&self.case, &overrides)?)
+    }
 }
 
 /// What a corrected curve is computed from.
@@ -90,6 +121,7 @@ impl Curve {
         match &self.work {
             Work::Dlm(case, _) => case.document.text().to_owned(),
             Work::Corrected(c) => c.case.document.text().to_owned(),
+            Work::March(m) => m.text.clone(),
         }
     }
 }
@@ -215,18 +247,15 @@ fn curve(document: &Document, study: &StudyFile, table: &CurveTable, i: usize, m
     let mut fingerprint = Fingerprint::new();
     fingerprint.text(&format!("{table:?} {medium}"));
     let path = document.path(&table.case);
+    if table.kind == CurveKind::March {
+        return march(document, study, table, i, medium, fingerprint);
+    }
     let overrides = at_machs(document, table, machs, i)?;
     let case = FlutterCase::read(Document::read(&path, &overrides)?)?;
     fingerprint.text(&case.fingerprint.stamp().fingerprint);
     let method = method(document, table, &case, i)?;
     let work = match table.kind {
-        CurveKind::Dlm => Work::Dlm(Box::new(case), method),
-        CurveKind::March => {
-            let message = "curves of kind \"march\" are not computed by a study yet";
-            return Err(document
-                .error(&format!("curve.{i}.kind"), message, "use \"dlm\" or \"corrected\"")
-                .into());
-        }
+        CurveKind::Dlm | CurveKind::March => Work::Dlm(Box::new(case), method),
         CurveKind::Corrected => {
             let Some(pitch) = &table.pitch else {
                 let help = "pitch = \"pitch.toml\", the case of prescribed motion";
@@ -274,6 +303,59 @@ fn curve(document: &Document, study: &StudyFile, table: &CurveTable, i: usize, m
     Ok(Curve {
         table: table.clone(),
         work,
+        fingerprint,
+    })
+}
+
+/// A marched curve: at every Mach number the experiment's speed, the search beginning at its density.
+fn march(
+    document: &Document,
+    study: &StudyFile,
+    table: &CurveTable,
+    i: usize,
+    medium: bool,
+    mut fingerprint: Fingerprint,
+) -> Result<Curve, Stop> {
+    let case = document.path(&table.case);
+    let overrides = flow_overrides(table, medium);
+    let flow = Document::read(&case, &overrides)?;
+    let content: dip_case::file::MarchFile = flow.load()?;
+    fingerprint.document(&flow);
+    for named in content.mesh.recipe.iter().chain(&content.mesh.file) {
+        fingerprint.file(flow.path(named));
+    }
+    crate::assemble::modes::fingerprint(&flow, &content.modes, &mut fingerprint);
+    let Some(experiment) = &study.experiment else {
+        let help = "a march holds the experiment's speed and searches the density: add experiment = \"experiment.csv\"";
+        return Err(document.error("", "a marched curve needs the experiment", help).into());
+    };
+    let measured = dip_case::table::Table::read(&document.path(experiment))?;
+    let columns = ["mach", "speed_m_s", "density_kg_m3"];
+    let [machs, speeds, densities] = {
+        let mut read = Vec::new();
+        for name in columns {
+            read.push(measured.numbers(name)?);
+        }
+        [read[0].clone(), read[1].clone(), read[2].clone()]
+    };
+    let mut points = Vec::new();
+    for mach in table.mach.as_ref().unwrap_or(&study.mach) {
+        let at = machs.iter().position(|m| (m - mach).abs() < 1e-6);
+        let Some(at) = at else {
+            let message = format!("the experiment has no point at Mach {mach}");
+            let help = "leave it out of this curve's mach";
+            return Err(document.error(&format!("curve.{i}.mach"), message, help).into());
+        };
+        points.push([*mach, speeds[at], densities[at]]);
+    }
+    Ok(Curve {
+        table: table.clone(),
+        work: Work::March(MarchCurve {
+            case,
+            text: flow.text().to_owned(),
+            overrides,
+            points,
+        }),
         fingerprint,
     })
 }

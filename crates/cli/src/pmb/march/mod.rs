@@ -25,6 +25,8 @@ use listen::Listener;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 
+/// Fingerprint of what a run was begun from.
+const INPUTS: &str = "inputs.sha256";
 /// Finished densities of a search.
 const TRIALS: &str = "trials.json";
 
@@ -123,7 +125,8 @@ pub struct Summary {
     /// Why it ended.
     pub stop_reason: String,
     mach: f64,
-    speed_m_s: f64,
+    /// Speed of the stream, m/s.
+    pub speed_m_s: f64,
     /// Number of cells.
     pub cells: usize,
     mesh_hash: String,
@@ -320,6 +323,9 @@ impl<'a> March<'a> {
 
         let stamp = stamp(document, &file, &mesh.hash);
         let folder = RunFolder::open(path, &stamp, common.force || resume)?;
+        // What is there is gone on with only if it was made from the same inputs.
+        let resume = resume && std::fs::read_to_string(path.join(INPUTS)).is_ok_and(|f| f == stamp.fingerprint);
+        folder.write(INPUTS, stamp.fingerprint.as_bytes())?;
         let settings = settings(document, &file, flow_settings, &wing)?;
         let timer = Timer::start();
         let kept = folder.path().join("mean.pmb");
