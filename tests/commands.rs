@@ -5,6 +5,7 @@ mod commands {
     pub mod correct;
     pub mod deck;
     pub mod flutter;
+    pub mod march;
     pub mod mesh;
     pub mod pitch;
     pub mod recording;

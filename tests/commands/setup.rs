@@ -3,6 +3,36 @@
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
+/// Grid of the AGARD 445.6 wing of 10,752 cells, for runs of seconds.
+const SMALL_MESH: &str = r#"name = "AGARD 445.6, C-H, for tests"
+kind = "wing-ch"
+blocks = 4
+
+[wing]
+file = "wing.toml"
+nose_radius = 0.00102
+trailing_edge = "closed"
+tip = "rounded"
+
+[cells]
+surface = 16
+wake = 8
+normal = 14
+span = 10
+outboard = 6
+
+[spacing]
+wall = "1.2 mm"
+nose = 0.008
+tail = 0.016
+root = "100 mm"
+tip = "12 mm"
+
+[extent]
+far_field = "6 m"
+exit = "8 m"
+"#;
+
 /// A copy of `cases/agard445` in a folder of its own.
 pub struct CaseFolder {
     folder: tempfile::TempDir,
@@ -19,9 +49,42 @@ impl CaseFolder {
         Self { folder }
     }
 
+    /// The shipped case without the curves of its study that need the flow solver.
+    pub fn lattice() -> Self {
+        let case = Self::whole();
+        let text = std::fs::read_to_string(case.path("boundary.toml")).unwrap();
+        let (from, to) = (
+            text.find("# Two Euler recordings").unwrap(),
+            text.find("[[published]]").unwrap(),
+        );
+        std::fs::write(case.path("boundary.toml"), format!("{}{}", &text[..from], &text[to..])).unwrap();
+        case
+    }
+
+    /// The shipped case with flow on a small grid and long time steps, at one Mach number.
+    pub fn flow() -> Self {
+        let case = Self::whole();
+        std::fs::write(case.path("mesh.toml"), SMALL_MESH).unwrap();
+        for file in ["pitch.toml", "march.toml"] {
+            case.edit(file, "../../meshes/agard445_ch_euler.toml", "mesh.toml");
+            case.edit(file, "steps_per_cycle = 40", "steps_per_cycle = 24");
+        }
+        case.edit(
+            "boundary.toml",
+            "../../meshes/agard445_ch_euler_coarse.toml",
+            "mesh.toml",
+        );
+        case.edit(
+            "boundary.toml",
+            "mach = [0.499, 0.678, 0.901, 0.954, 0.960]",
+            "mach = [0.678]",
+        );
+        case
+    }
+
     /// The shipped case, on few boxes and at one Mach number so that a run takes a moment.
     pub fn small() -> Self {
-        let case = Self::whole();
+        let case = Self::lattice();
         for file in ["flutter.toml", "flutter_yates.toml"] {
             case.edit(file, "mach = [0.499, 0.678, 0.901, 0.954, 0.960]", "mach = [0.678]");
             case.edit(

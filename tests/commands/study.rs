@@ -70,7 +70,7 @@ fn schemas_are_json() {
 /// reference data: `cases/agard445/published/panelaero_dlm.csv`. The splines differ: within 1 %.
 #[test]
 fn the_shipped_study_meets_panelaero() {
-    let case = CaseFolder::whole();
+    let case = CaseFolder::lattice();
     let run = case
         .run("dip", &["compare", "boundary.toml", "--out", "out", "--json"])
         .exits(0);
@@ -93,5 +93,38 @@ fn the_shipped_study_meets_panelaero() {
             (ours / index - 1.0).abs() < 0.01,
             "Mach {mach}: {ours}, PanelAero {index}"
         );
+    }
+}
+
+/// Lattice, recordings, correction and march in one study, on a small grid at Mach 0.678, where all must agree within some per cent.
+#[test]
+fn a_whole_study_records_corrects_and_marches() {
+    let case = CaseFolder::flow();
+    let run = case.run("dip", &["compare", "boundary.toml", "--out", "out", "--json"]);
+    assert!(run.code == 0 || run.code == 3, "{}", run.stderr);
+    let summary: serde_json::Value = serde_json::from_str(&run.stdout).unwrap();
+    let points = summary["points"].as_array().unwrap();
+    let index = |curve: &str| -> f64 {
+        let point = points.iter().find(|p| p["curve"] == curve).unwrap();
+        point["flutter_speed_index"].as_f64().unwrap()
+    };
+    let lattice = index("DLM, Yates' modes");
+    for curve in ["DLM corrected, Yates' modes", "Euler march, Yates' modes"] {
+        let ratio = index(curve) / lattice;
+        assert!((ratio - 1.0).abs() < 0.06, "{curve}: {ratio}");
+    }
+    let page = std::fs::read_to_string(case.path("out/report.html")).unwrap();
+    assert!(page.contains("Time per flutter point") && page.contains("Audit of the hand-over"));
+    // A curve that is lost is made again from the recordings, which are kept.
+    std::fs::remove_file(case.path("out/dlm-corrected-yates-modes/summary.json")).unwrap();
+    let again = case.run("dip", &["compare", "boundary.toml", "--out", "out", "--json"]);
+    assert!(
+        again.stderr.matches("pitch.mcap: kept").count() == 2,
+        "{}",
+        again.stderr
+    );
+    let second: serde_json::Value = serde_json::from_str(&again.stdout).unwrap();
+    for (a, b) in points.iter().zip(second["points"].as_array().unwrap()) {
+        assert_eq!(a["flutter_speed_index"], b["flutter_speed_index"]);
     }
 }

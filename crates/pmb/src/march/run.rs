@@ -111,6 +111,10 @@ pub trait MarchObserver: Observer {
     /// # Errors
     /// If what was kept of those steps cannot be found.
     fn resumed(&mut self, number: usize, states: &[ModalState]) -> Result<(), String>;
+    /// After [`MarchObserver::resumed`]: true if the steps of the march that stopped are enough.
+    fn knows(&self) -> bool {
+        false
+    }
 }
 
 /// A finished march.
@@ -340,6 +344,9 @@ struct March<'a> {
 
 impl March<'_> {
     fn go(&mut self, observer: &mut dyn MarchObserver, cancel: &AtomicBool) -> Result<MarchStop, FlowError> {
+        if observer.knows() {
+            return Ok(MarchStop::Enough);
+        }
         loop {
             let done = self.result.states.len() - 1;
             if done >= self.settings.steps || cancel.load(Ordering::Relaxed) {

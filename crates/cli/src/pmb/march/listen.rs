@@ -186,4 +186,8 @@ impl MarchObserver for Listener {
         self.watch.message(&format!("going on after time step {number}"));
         Ok(())
     }
+
+    fn knows(&self) -> bool {
+        !self.all_cycles && self.damping.reading().is_some_and(|r| r.known)
+    }
 }
