@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use dip_flutter::decay::{Watch, WatchSettings};
+use dip_flutter::decay::{DecaySettings, Watch, WatchSettings, limit_cycle};
 use dip_flutter::search::{Search, SearchSettings, SearchStep, Stability, Trial};
 
 fn settings(first: f64) -> SearchSettings {
@@ -56,7 +56,13 @@ fn few_runs_find_the_neutral_point_from_either_side() {
 #[test]
 fn errors_of_the_dampings_widen_the_answer_and_cost_runs_but_do_not_mislead() {
     // Dampings off by a fixed pattern of one standard error.
-    let sign = |rho: f64| if (1e4 * rho) as u64 % 2 == 0 { 1.0 } else { -1.0 };
+    let sign = |rho: f64| {
+        if ((1e4 * rho) as u64).is_multiple_of(2) {
+            1.0
+        } else {
+            -1.0
+        }
+    };
     let (end, _) = search(0.15, |rho| Stability::Oscillation {
         g: like_agard(rho) + 0.004 * sign(rho),
         g_error: 0.004,
@@ -181,4 +187,41 @@ fn growth_without_oscillation_is_seen() {
     }
     let growth = watch.reading().unwrap().growth_1_s.unwrap();
     assert!((growth - 12.0).abs() < 0.5, "{growth}");
+}
+
+#[test]
+fn a_limit_cycle_is_told_from_growth() {
+    // Van der Pol: q'' - 2 zeta w (1 - (q/a)^2) q' + w^2 q = 0 settles to the amplitude 2 a (small zeta); the classical
+    // fourth-order Runge-Kutta method at 400 steps a cycle.
+    let (w, zeta, a) = (TAU * 14.0, 0.05, 0.5);
+    let rate = |[q, v]: [f64; 2]| [v, 2.0 * zeta * w * (1.0 - (q / a) * (q / a)) * v - w * w * q];
+    let h = 1.0 / 14.0 / 400.0;
+    let mut state = [0.01, 0.0];
+    let mut history = Vec::new();
+    for n in 0..400 * 30 {
+        if n % 10 == 0 {
+            history.push(state[0]);
+        }
+        let along = |k: [f64; 2], s: f64| [state[0] + s * h * k[0], state[1] + s * h * k[1]];
+        let k1 = rate(state);
+        let k2 = rate(along(k1, 0.5));
+        let k3 = rate(along(k2, 0.5));
+        let k4 = rate(along(k3, 1.0));
+        for d in 0..2 {
+            state[d] += h / 6.0 * (k1[d] + 2.0 * k2[d] + 2.0 * k3[d] + k4[d]);
+        }
+    }
+    let dt = 10.0 * h;
+    let found = limit_cycle(&[history.clone()], dt, &DecaySettings::default())
+        .unwrap()
+        .unwrap();
+    assert!((found.amplitude[0] - 2.0 * a).abs() < 0.02, "{found:?}");
+    assert!((found.freq_hz - 14.0).abs() < 0.1 && found.g_early > 0.03, "{found:?}");
+    // While it still grows, there is none; nor in linear growth.
+    let young = history[..40 * 9].to_vec();
+    assert_eq!(limit_cycle(&[young], dt, &DecaySettings::default()).unwrap(), None);
+    let linear: Vec<f64> = (0..1200)
+        .map(|n| (0.02 * f64::from(n) / 40.0 * TAU).exp() * (TAU * f64::from(n) / 40.0).sin())
+        .collect();
+    assert_eq!(limit_cycle(&[linear], dt, &DecaySettings::default()).unwrap(), None);
 }
