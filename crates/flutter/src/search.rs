@@ -78,12 +78,14 @@ pub enum SearchStep {
     UnstableThroughout,
     /// The static limit is met first: stable at the first value, divergent at the second.
     Divergence([f64; 2]),
-    /// All runs allowed were made; the best estimate, if there is one.
+    /// All runs allowed were made, or the next one would repeat one that was made; the best estimate, if there is one.
     OutOfRuns(Option<Neutral>),
 }
 
 /// Largest change of the parameter's logarithm from one run to the next outside known values.
 const STRIDE: f64 = 0.35;
+/// Part of the tolerance within which a value has been run already.
+const REPEATED: f64 = 0.05;
 /// Change of g for a change of the parameter's logarithm by one, where nothing better is known: wings at constant Mach
 /// number show 0.2 to 1.
 const USUAL_SLOPE: f64 = 0.5;
@@ -219,7 +221,21 @@ impl Search {
             }
             (None, None, _) => self.settings.first,
         };
-        SearchStep::Run(wanted.clamp(lo, hi))
+        let wanted = wanted.clamp(lo, hi);
+        let near = REPEATED * self.settings.tolerance * wanted;
+        if self.trials.iter().any(|t| (t.at - wanted).abs() <= near) {
+            return SearchStep::OutOfRuns(estimate);
+        }
+        SearchStep::Run(wanted)
+    }
+
+    /// Standard error of g that the next run should reach so that the point can be known to the tolerance, once there is a
+    /// trend to tell it from.
+    #[must_use]
+    pub fn damping_accuracy(&self) -> Option<f64> {
+        // Half for the damping, half for the interpolation.
+        let found = self.estimate()?;
+        Some(0.5 * self.settings.tolerance * found.at * found.slope)
     }
 
     /// Factor from the outermost value `from` towards the neutral point, a little beyond it so that it comes to lie between.

@@ -76,6 +76,36 @@ fn errors_of_the_dampings_widen_the_answer_and_cost_runs_but_do_not_mislead() {
 }
 
 #[test]
+fn dampings_that_are_not_known_well_enough_do_not_keep_a_search_going() {
+    // g = (x - 0.2) with an error that allows 5 % at best, where 1 % is asked for.
+    let blurred = |g_error: f64| {
+        move |x: f64| Stability::Oscillation {
+            g: x - 0.2,
+            g_error,
+            freq_hz: 15.0,
+        }
+    };
+    let (end, runs) = search(0.15, blurred(0.01));
+    let SearchStep::OutOfRuns(Some(found)) = end else {
+        panic!("{end:?}")
+    };
+    assert!((found.at - 0.2).abs() < 1e-9 && found.error > 0.005, "{found:?}");
+    assert!(runs.len() < 6, "{runs:?}");
+    // With the accuracy that the search asks for, it ends.
+    let mut search = Search::new(settings(0.15), Vec::new()).unwrap();
+    let end = loop {
+        match search.next() {
+            SearchStep::Run(at) => {
+                let stability = blurred(search.damping_accuracy().unwrap_or(0.01))(at);
+                search.add(Trial { at, stability }).unwrap();
+            }
+            end => break end,
+        }
+    };
+    assert!(matches!(end, SearchStep::Found(_)), "{end:?}");
+}
+
+#[test]
 fn an_interrupted_search_goes_on_to_the_same_values() {
     let (_, whole) = search(0.1, |rho| oscillation(like_agard(rho)));
     for done in 0..whole.len() {

@@ -138,8 +138,8 @@ impl Case {
         Ok(mean.ok_or("interrupted")?)
     }
 
-    /// One march.
-    pub fn march(&self, still: &MeanFlow, at: f64, stream: Stream) -> Outcome<Row> {
+    /// One march; `accuracy` of its damping, if the usual one is too coarse.
+    pub fn march(&self, still: &MeanFlow, at: f64, stream: Stream, accuracy: Option<f64>) -> Outcome<Row> {
         let begin = cpu_s();
         let equations = &self.wing.equations;
         let mean = if self.deflects {
@@ -175,6 +175,7 @@ impl Case {
         );
         watch.every = (self.steps_per_cycle / 8.0).round().max(1.0) as usize;
         watch.skip = (self.steps_per_cycle / 10.0).round() as usize;
+        watch.accuracy = accuracy.map_or(watch.accuracy, |a| a.min(watch.accuracy));
         let mut reader = Reader {
             watch: Watch::new(watch)?,
             mean: mean.q.clone(),
@@ -211,7 +212,7 @@ impl Case {
                 SearchStep::Run(at) => at,
                 end => break end,
             };
-            let row = self.march(still, at, stream(at))?;
+            let row = self.march(still, at, stream(at), search.damping_accuracy())?;
             let stability = if row.g.is_finite() && row.g_error.is_finite() {
                 Stability::Oscillation {
                     g: row.g,

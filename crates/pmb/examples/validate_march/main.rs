@@ -470,7 +470,7 @@ fn responses(folder: &Path) -> Outcome<String> {
         case.cycles = 6.0;
         let (still, _) = case.still()?;
         for density in densities {
-            let row = case.march(&still, density, agard::stream(point.speed_m_s, density))?;
+            let row = case.march(&still, density, agard::stream(point.speed_m_s, density), None)?;
             let mut chart = Chart::new(
                 format!("Mach {mach}, {density} kg/m^{{3}}: g = {:+.3}", row.g),
                 "Time, s",
