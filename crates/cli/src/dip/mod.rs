@@ -48,7 +48,7 @@ enum Command {
     Doctor(doctor::Args),
     /// Print the JSON Schema of a kind of case file
     Schema {
-        /// wing, structure, flutter, study or steady
+        /// wing, structure, flutter, study, steady, pitch or march
         kind: String,
     },
     /// Print the completions of a shell

@@ -2,7 +2,7 @@
 
 use super::suspect::{self, Alternative, Suspect};
 use super::{Audit, Limits, strip_phases};
-use crate::apply::{Correction, References};
+use crate::apply::{Correction, Method, References};
 use crate::bridge::Mapped;
 use crate::reading::MotionCheck;
 use crate::sample::strip_loads_of_boxes;
@@ -193,6 +193,11 @@ pub(super) fn against_lattice(
 }
 
 pub(super) fn weights(audit: &mut Audit, correction: &Correction, area: &[f64], limits: &Limits) {
+    // Methods that replace pressures of modes use no weights: nothing they rest on would be judged.
+    let replaced = |m: Method| matches!(m, Method::Mode | Method::Full);
+    if !correction.methods.is_empty() && correction.methods.iter().all(|c| replaced(c.method)) {
+        return;
+    }
     let total: f64 = area.iter().sum();
     for at in &correction.recordings {
         let away: Vec<f64> = at
