@@ -211,7 +211,8 @@ impl BoxMap {
         self.rule
     }
 
-    /// Part of the projected area of all faces that lies outside of the planform of the boxes.
+    /// Part of the projected area of all faces that reaches outside of the planform of the boxes: the piece of a face in a strip that goes over
+    /// its edge counts whole, so that this is an upper bound.
     #[must_use]
     pub fn overhang(&self) -> f64 {
         self.overhang

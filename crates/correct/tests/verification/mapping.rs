@@ -84,7 +84,9 @@ proptest! {
         let area: f64 = 2.0 * wing.lattice().area();
         prop_assert!((boxes.lift_m2.iter().sum::<c64>() - lift).norm() < 1e-10 * area);
         prop_assert!((boxes.moment_m3.iter().sum::<c64>() - moment).norm() < 1e-10 * area);
-        prop_assert!(map.overhang() < 0.2);
+        // A face that reaches over an edge counts whole: of these walls at most the first two and the last two columns (11 % of the
+        // chord each) and what is beyond the tip (3 %).
+        prop_assert!(map.overhang() < 0.3);
     }
 }
 
