@@ -8,6 +8,8 @@
 //! Generalized coordinates, forces and time are in the units of the modal equations (SI); the flow's are made from them by
 //! speed and density. This is the one file of the crate that knows the structure.
 
+use std::time::Instant;
+
 use dip_grid::MultiBlock;
 use dip_modal::{ForceGuess, Integrator, MarchError, ModalState};
 
@@ -62,6 +64,15 @@ impl Stream {
     }
 }
 
+/// Wall-clock seconds that coupling has added to those of the flow.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct CouplingSeconds {
+    /// Deformation of the grid, its metrics, swept volumes and what the old time levels contribute on them.
+    pub grid: f64,
+    /// Generalized forces and steps of the modal equations.
+    pub structure: f64,
+}
+
 /// Structure as the flow sees it.
 #[derive(Clone, Debug)]
 pub struct Structure {
@@ -99,6 +110,8 @@ pub struct Coupled {
     pub coupling: Coupling,
     /// Largest change of the structure's state in the last exchange of a step.
     pub exchange_tolerance: f64,
+    /// What the coupling has cost so far.
+    pub seconds: CouplingSeconds,
     /// Generalized forces that the structure's mean position balances already, `[mode]`, N m: they are taken off, so that the march is
     /// one about that position. Zero where the static deflection is part of the motion.
     pub balanced: Vec<f64>,
@@ -154,6 +167,7 @@ impl Coupled {
             .collect();
         Ok(Self {
             flow: DualTime::new(solver, grid, settings),
+            seconds: CouplingSeconds::default(),
             balanced: vec![0.0; modes],
             structure,
             stream,
@@ -214,15 +228,21 @@ impl Coupled {
     }
 
     fn place(&mut self) -> Result<(), FlowError> {
+        let begin = Instant::now();
         let q = &self.structure.integrator.next().q;
         let (rest, shapes) = (&self.rest, &self.structure.shapes);
-        self.flow.place(|nodes| Self::deform(rest, shapes, q, nodes))
+        let placed = self.flow.place(|nodes| Self::deform(rest, shapes, q, nodes));
+        self.seconds.grid += begin.elapsed().as_secs_f64();
+        placed
     }
 
     /// Does the structure's step again with the flow's forces; returns how far it moved.
     fn exchange(&mut self) -> Result<f64, FlowError> {
+        let begin = Instant::now();
         let forces = self.net_forces();
-        self.structure.integrator.correct(&forces).map_err(structural)
+        let moved = self.structure.integrator.correct(&forces).map_err(structural);
+        self.seconds.structure += begin.elapsed().as_secs_f64();
+        moved
     }
 
     /// Forces of the flow less what the mean position balances.

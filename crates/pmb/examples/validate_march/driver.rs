@@ -69,6 +69,8 @@ pub struct Row {
     pub stop: MarchStop,
     /// Time and generalized coordinates of every step.
     pub states: Vec<ModalState>,
+    /// Parts of its wall-clock time that grid and structure took.
+    pub coupling: [f64; 2],
     /// Processor seconds.
     pub cpu_s: f64,
 }
@@ -192,6 +194,7 @@ impl Case {
             steps: result.states.len() - 1,
             products: result.products,
             stop: result.stop,
+            coupling: [result.coupling_seconds.grid, result.coupling_seconds.structure].map(|s| s / result.seconds),
             states: result.states,
             cpu_s: cpu_s() - begin,
         };

@@ -1,7 +1,7 @@
 //! Validation of the aeroelastic march: a section on springs against Possio's equation, Isogai's case A, AGARD 445.6. Writes
 //! `docs/validation/march/`.
 //!
-//! `cargo run --release -p dip-pmb --example validate_march [-- section isogai agard medium own static sensitivity responses]`
+//! `cargo run --release -p dip-pmb --example validate_march [-- section isogai agard medium own static sensitivity responses cost]`
 //! (all by default; about half an hour on one core). With no part that it knows, it only puts the page together.
 
 mod agard;
@@ -369,6 +369,7 @@ fn static_position(folder: &Path) -> Outcome<String> {
     // Tip corners of the plate: nodes 11 and 1 counted back from the last.
     let corners = [modes.nodes.len() - 11, modes.nodes.len() - 1];
     let mut curves = [Vec::new(), Vec::new()];
+    let mut lifts = Vec::new();
     for density in [0.03, 0.06, 0.1, 0.15, 0.2, 0.25, 0.3] {
         let stream = agard::stream(262.0, density);
         let mean = case.position(&still, &stream)?;
@@ -388,7 +389,24 @@ fn static_position(folder: &Path) -> Outcome<String> {
         for (curve, z) in curves.iter_mut().zip(tip) {
             curve.push((pressure, z));
         }
+        lifts.push((pressure, mean.loads.total.cl));
     }
+    // Where our leading edge is where the published one is, the other two numbers can be compared.
+    let between = |x: &[(f64, f64)], y: &[(f64, f64)], at: f64| {
+        let n = x.windows(2).position(|w| w[0].1 <= at && at < w[1].1)?;
+        let s = (at - x[n].1) / (x[n + 1].1 - x[n].1);
+        Some(y[n].1 + s * (y[n + 1].1 - y[n].1))
+    };
+    let pressures: Vec<(f64, f64)> = lifts.iter().map(|l| (l.0, l.0)).collect();
+    let at = |y: &[(f64, f64)]| between(&curves[0], y, 11.6).ok_or("the leading edge does not come to 11.6 mm");
+    let _ = writeln!(
+        page,
+        "\nWhere our leading edge is at 11.6 mm ({:.2} kPa), our trailing edge is at {:.2} mm (published 13.2) and our lift coefficient is {:.4} (published \
+        0.0539, on a reference area of its own).",
+        at(&pressures)?,
+        at(&curves[1])?,
+        at(&lifts)?
+    );
     let [leading, trailing] = curves;
     let chart = Chart::new("Tip deflection at Mach 0.8, 1 degree", "Dynamic pressure, kPa", "z, mm")
         .series(Series::line_markers("leading edge", leading, Marker::Circle))
@@ -456,6 +474,49 @@ fn sensitivity(_: &Path) -> Outcome<String> {
     Ok(page)
 }
 
+fn cost(_: &Path) -> Outcome<String> {
+    let mut page = format!(
+        "## What a flutter point costs\n\n\
+        C-H grid of 53,760 cells, Yates' modes, first density the experiment's, to 1 % in density, {} thread(s). An established code on a like grid, one core: \
+        249 s for the steady flow and two bracketing runs. `grid`: deformation, metrics, swept volumes; `structure`: forces, modal equations; parts \
+        of the time of the marches.\n\n\
+        | Mach | density, kg/m^3 | structure on the grid, CPU s | steady flow, CPU s | marches | steps | marches, CPU s | in all, CPU s | wall, s | grid | structure |\n|---|---|---|---|---|---|---|---|---|---|---|\n",
+        rayon::current_num_threads()
+    );
+    let grid = mesh("agard445_ch_euler")?;
+    let modes = agard::modes("yates", 4)?;
+    for mach in [0.678, 0.901, 0.96] {
+        let point = *agard::experiment()?
+            .iter()
+            .find(|p| p.mach == mach)
+            .ok_or("no such point")?;
+        let (begin, clock) = (cpu_s(), std::time::Instant::now());
+        let case = agard::case(&grid, &modes, mach, 0.0)?;
+        let prepared = cpu_s() - begin;
+        let (still, seconds) = case.still()?;
+        let rho = point.density_kg_m3;
+        let found = case.search(&still, search(rho, [0.2 * rho, 4.0 * rho], 0.01), |d| {
+            agard::stream(point.speed_m_s, d)
+        })?;
+        let n = found.neutral().ok_or("no flutter point")?;
+        let steps: usize = found.rows.iter().map(|r| r.steps).sum();
+        let part = |c: usize| 100.0 * found.rows.iter().map(|r| r.coupling[c]).sum::<f64>() / found.rows.len() as f64;
+        let _ = writeln!(
+            page,
+            "| {mach} | {:.4} +- {:.4} | {prepared:.2} | {seconds:.1} | {} | {steps} | {:.1} | {:.1} | {:.1} | {:.1} % | {:.1} % |",
+            n.at,
+            n.error,
+            found.rows.len(),
+            found.cpu_s,
+            cpu_s() - begin,
+            clock.elapsed().as_secs_f64(),
+            part(0),
+            part(1)
+        );
+    }
+    Ok(page)
+}
+
 fn responses(folder: &Path) -> Outcome<String> {
     let grid = mesh("agard445_oo_coarse")?;
     let modes = agard::modes("yates", 4)?;
@@ -499,7 +560,7 @@ fn responses(folder: &Path) -> Outcome<String> {
 
 type Part = (&'static str, fn(&Path) -> Outcome<String>);
 
-const PARTS: [Part; 8] = [
+const PARTS: [Part; 9] = [
     ("section", section),
     ("isogai", isogai),
     ("agard", agard_boundary),
@@ -508,6 +569,7 @@ const PARTS: [Part; 8] = [
     ("static", static_position),
     ("sensitivity", sensitivity),
     ("responses", responses),
+    ("cost", cost),
 ];
 
 fn main() -> Outcome<()> {

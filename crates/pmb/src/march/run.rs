@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 
 use super::Wing;
 use super::mean::MeanFlow;
-use crate::couple::{Coupled, CoupledStep, Coupling, Stream, Structure};
+use crate::couple::{Coupled, CoupledStep, Coupling, CouplingSeconds, Stream, Structure};
 use crate::dual_time::{DualTimeSettings, StepOutcome};
 use crate::error::FlowError;
 use crate::loads::{Loads, WallPatch};
@@ -136,6 +136,8 @@ pub struct MarchResult {
     pub work_j: f64,
     /// Wall-clock seconds of this march (since its last resumption).
     pub seconds: f64,
+    /// Those of them that coupling took: grid and structure.
+    pub coupling_seconds: CouplingSeconds,
 }
 
 /// What the restart file holds besides the flow.
@@ -183,6 +185,7 @@ pub fn run(
             builds: 0,
             work_j: 0.0,
             seconds: 0.0,
+            coupling_seconds: CouplingSeconds::default(),
         },
         coupled,
         began: Instant::now(),
@@ -212,6 +215,7 @@ pub fn run(
         }
     }
     march.result.stop = march.go(observer, cancel)?;
+    march.result.coupling_seconds = march.coupled.seconds;
     march.result.seconds = march.began.elapsed().as_secs_f64();
     Ok(march.result)
 }
