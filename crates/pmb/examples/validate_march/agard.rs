@@ -88,10 +88,18 @@ pub fn modes(name: &str, count: usize) -> Outcome<Modes> {
 
 /// The case at a Mach number; a step is 1/40 of a cycle of 14 Hz, the start gives the tip 0.1 % of the semispan in mode 1.
 pub fn case(grid: &MultiBlock, modes: &Modes, mach: f64, alpha_deg: f64) -> Outcome<Case> {
+    case_along(grid, modes, mach, alpha_deg, false)
+}
+
+/// The same, the wall displaced along z only where asked.
+pub fn case_along(grid: &MultiBlock, modes: &Modes, mach: f64, alpha_deg: f64, along_z: bool) -> Outcome<Case> {
     let count = modes.count();
     let wall = MovingWall::new(grid, |p| p.condition.is_wall())?;
     let surface = StructuralSurface::of_modes(modes)?;
-    let shapes = Transfer::new(&surface, &wall.points(), Attachment::default())?.modes(modes)?;
+    let mut shapes = Transfer::new(&surface, &wall.points(), Attachment::default())?.modes(modes)?;
+    if along_z {
+        shapes.iter_mut().flatten().for_each(|u| (u.x, u.y) = (0.0, 0.0));
+    }
     let fields = GridModes::new(grid, &wall, &shapes, None)?;
     let equations = ModalEquations::from_modes(modes, count, 0.0)?;
     let wing = Wing::new(equations, &fields, grid)?;
