@@ -16,6 +16,8 @@ mod projection;
 mod subspace;
 mod watch;
 
+use std::sync::OnceLock;
+
 use faer::c64;
 
 use crate::error::{FlutterError, Result, check_value};
@@ -97,6 +99,22 @@ impl DecayFit {
 /// # Errors
 /// No channel, unequal lengths, fewer than 12 samples, numbers that are not finite, a constant record.
 pub fn identify(histories: &[Vec<f64>], dt_s: f64, settings: &DecaySettings) -> Result<DecayFit> {
+    match one_thread() {
+        Some(pool) => pool.install(|| identify_here(histories, dt_s, settings)),
+        None => identify_here(histories, dt_s, settings),
+    }
+}
+
+/// Where the fit is done: the dense factorizations share their sums out among as many threads as there are, and so have
+/// other last digits with each number of them. The matrices are small; one thread is as fast. None where the system gives no
+/// thread.
+fn one_thread() -> Option<&'static rayon::ThreadPool> {
+    static POOL: OnceLock<Option<rayon::ThreadPool>> = OnceLock::new();
+    POOL.get_or_init(|| rayon::ThreadPoolBuilder::new().num_threads(1).build().ok())
+        .as_ref()
+}
+
+fn identify_here(histories: &[Vec<f64>], dt_s: f64, settings: &DecaySettings) -> Result<DecayFit> {
     let (samples, scales) = check_record(histories, dt_s)?;
     let channels: Vec<usize> = (0..histories.len()).filter(|&c| scales[c] > 0.0).collect();
     let max_order = settings.max_order.unwrap_or(2 * channels.len() + 4);

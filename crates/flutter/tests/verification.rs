@@ -1230,3 +1230,39 @@ mod decay {
         assert!(identify(&record(50, 1e-3, 0.0, 1, 0.0), 0.0, &settings).is_err());
     }
 }
+
+/// The dense algebra underneath shares its sums out among threads where it may; the answer must not depend on how many.
+#[test]
+fn damping_has_the_same_bits_for_any_number_of_threads() {
+    use dip_flutter::decay::{DecaySettings, identify};
+    let dt_s = 1.0 / 560.0;
+    let histories: Vec<Vec<f64>> = (0..4_i32)
+        .map(|c| {
+            (0..60)
+                .map(|j| {
+                    let t = f64::from(j) * dt_s;
+                    (1..=4_i32)
+                        .map(|m| {
+                            let (w, lead) = (60.0 * f64::from(m * m) / 2.0, f64::from(c * m));
+                            (-0.02 * w * t).exp() * (w * t + lead).sin() / f64::from(1 + (c - m).abs())
+                        })
+                        .sum::<f64>()
+                        // Something that the fit cannot explain, as a march has it.
+                        + 1e-4 * (1e4 * t * t + f64::from(c)).sin()
+                })
+                .collect()
+        })
+        .collect();
+    let read = |threads: usize| -> Vec<[u64; 4]> {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        let fit = pool.install(|| identify(&histories, dt_s, &DecaySettings::default()).unwrap());
+        let bits =
+            |m: &dip_flutter::decay::DecayMode| [m.g, m.freq_hz, m.sigma_error_rad_s, m.energy].map(f64::to_bits);
+        fit.modes.iter().map(bits).collect()
+    };
+    let one = read(1);
+    assert!(!one.is_empty());
+    for threads in [2, 3, 5] {
+        assert_eq!(one, read(threads), "{threads} threads");
+    }
+}
