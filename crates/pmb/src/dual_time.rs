@@ -241,13 +241,11 @@ impl DualTime {
             .zip(self.volume_older.par_chunks(PIECE))
             .for_each(|((((source, n), n_1), volume), older)| {
                 let states = n.chunks_exact(VARIABLES).zip(n_1.chunks_exact(VARIABLES));
-                for (c, ((s, (n, n_1)), (volume, older))) in source
+                for ((s, (n, n_1)), (volume, older)) in source
                     .chunks_exact_mut(VARIABLES)
                     .zip(states)
                     .zip(volume.iter().zip(older))
-                    .enumerate()
                 {
-                    let _ = c;
                     let state = |w: &[f64]| -> State<f64> { [w[0], w[1], w[2], w[3], w[4]] };
                     let (q, q_1) = (conservative(gas, &state(n)), conservative(gas, &state(n_1)));
                     let (f, f_1) = (a[1] / dt * volume, a[2] / dt * older);

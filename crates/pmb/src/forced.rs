@@ -292,15 +292,8 @@ fn read_kept(settings: &ForcedSettings, motion: &Motion) -> Result<Option<(Kept,
     };
     let (header, body) = read_checked(path, MAGIC)?;
     let kept: Kept = serde_json::from_slice(&header).map_err(|e| wrong(format!("header: {e}")))?;
-    let same = |a: &SteadySettings, b: &SteadySettings| {
-        a.flow == b.flow
-            && a.far_field == b.far_field
-            && a.reconstruction == b.reconstruction
-            && a.limiter_constant == b.limiter_constant
-            && a.patches == b.patches
-            && a.reference == b.reference
-    };
-    if !same(&kept.settings.steady, &settings.steady) || kept.settings.steps_per_cycle != settings.steps_per_cycle {
+    if !kept.settings.steady.is_same_flow(&settings.steady) || kept.settings.steps_per_cycle != settings.steps_per_cycle
+    {
         return Err(wrong(
             "flow, reference, scheme or steps per cycle differ from those of the case".to_owned(),
         ));

@@ -207,6 +207,17 @@ fn within(key: &'static str, value: f64, good: bool, needed: &'static str) -> Re
 }
 
 impl SteadySettings {
+    /// True if both describe the same discrete flow, whatever the method of solution: what a restart file must agree in.
+    #[must_use]
+    pub fn is_same_flow(&self, other: &Self) -> bool {
+        self.flow == other.flow
+            && self.far_field == other.far_field
+            && self.reconstruction == other.reconstruction
+            && self.limiter_constant == other.limiter_constant
+            && self.patches == other.patches
+            && self.reference == other.reference
+    }
+
     /// Checks every number.
     ///
     /// # Errors

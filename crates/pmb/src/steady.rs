@@ -146,15 +146,7 @@ fn read_snapshot(settings: &SteadySettings, sequence: &Sequence) -> Result<Optio
             snapshot.cells
         ));
     }
-    let same = |a: &SteadySettings, b: &SteadySettings| {
-        a.flow == b.flow
-            && a.far_field == b.far_field
-            && a.reconstruction == b.reconstruction
-            && a.limiter_constant == b.limiter_constant
-            && a.patches == b.patches
-            && a.reference == b.reference
-    };
-    if !same(&snapshot.settings, settings) {
+    if !snapshot.settings.is_same_flow(settings) {
         return wrong("flow, reference, scheme or boundary settings differ from those of the case".to_owned());
     }
     let level = sequence.levels.get(snapshot.level);

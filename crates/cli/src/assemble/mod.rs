@@ -8,5 +8,6 @@ pub mod lattice;
 pub mod modes;
 pub mod motion;
 mod nastran_modes;
+pub mod references;
 pub mod structure;
 pub mod surface;

@@ -3,6 +3,7 @@
 mod files;
 mod listen;
 
+use crate::assemble::references::{Unsteady, references};
 use crate::assemble::{deformation, flow, grid, modes, surface};
 use crate::exit::{Done, Stop};
 use crate::options::Common;
@@ -20,7 +21,7 @@ use dip_pmb::couple::{Coupling, Stream};
 use dip_pmb::dual_time::{DualTimeSettings, TimeScheme};
 use dip_pmb::march::mean::{self, DeflectionSettings, MeanFlow};
 use dip_pmb::march::{MarchSettings, MarchStop, Wing};
-use dip_record::{CoordinateKind, Law, MotionCoordinate, Provenance, References, Setup, StructuralMode};
+use dip_record::{CoordinateKind, Law, MotionCoordinate, Provenance, Setup, StructuralMode};
 use listen::Listener;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
@@ -231,7 +232,7 @@ pub fn compute(document: &Document, path: &Path, resume: bool, common: &Common) 
         march.search(&mut stages)?
     } else {
         let density = march.density()?;
-        let trial = march.trial(density, 1)?;
+        let trial = march.trial(density, 1, None)?;
         stages.push((format!("march, {density:.5} kg/m^3"), trial.seconds));
         (vec![trial], None, "single run".to_owned())
     };
@@ -415,7 +416,10 @@ impl<'a> March<'a> {
                     break (None, format!("divergence between {a:.5} and {b:.5} kg/m^3 comes first"));
                 }
                 SearchStep::OutOfRuns(best) => {
-                    break (best, "all runs were used; the best estimate is given".to_owned());
+                    break (
+                        best,
+                        "all runs were used, or the next would repeat one; the best estimate is given".to_owned(),
+                    );
                 }
             };
             let number = rows.len() + 1;
@@ -425,7 +429,7 @@ impl<'a> March<'a> {
                     tracing::info!("density {density:.5} kg/m^3: kept");
                     row.clone()
                 }
-                None => self.trial(density, number)?,
+                None => self.trial(density, number, search.damping_accuracy())?,
             };
             stages.push((format!("march {number}, {density:.5} kg/m^3"), row.seconds));
             let stability = match (row.diverges, row.g, row.g_error, row.frequency_hz) {
@@ -440,8 +444,8 @@ impl<'a> March<'a> {
         Ok((rows, found, reason))
     }
 
-    /// One run at one density.
-    fn trial(&self, density: f64, number: usize) -> Result<TrialRow, Stop> {
+    /// One run at one density, until its damping is known to `accuracy` where the usual one would not do.
+    fn trial(&self, density: f64, number: usize, accuracy: Option<f64>) -> Result<TrialRow, Stop> {
         let timer = Timer::start();
         let name = format!("march_{number}");
         let stream = Stream {
@@ -486,12 +490,14 @@ impl<'a> March<'a> {
             ..self.settings.clone()
         };
         let equations = &self.wing.equations;
-        let damping = decay::Watch::new(WatchSettings::new(
+        let mut reading = WatchSettings::new(
             settings.step_s,
             equations.omega_rad_s.clone(),
             equations.generalized_mass.clone(),
-        ))
-        .map_err(|e| Stop::failed(e.to_string(), "change march.steps_per_cycle"))?;
+        );
+        reading.accuracy = accuracy.map_or(reading.accuracy, |a| a.min(reading.accuracy));
+        let damping =
+            decay::Watch::new(reading).map_err(|e| Stop::failed(e.to_string(), "change march.steps_per_cycle"))?;
         let mut listener = Listener::new(
             watch,
             damping,
@@ -541,17 +547,7 @@ impl<'a> March<'a> {
 
     /// What a recording at a density says before the first step.
     fn setup(&self, density: f64) -> Setup {
-        let (s, r) = (&self.settings, &self.file.reference);
-        let f = &s.steady.flow;
-        let half = self
-            .grid
-            .topology
-            .patches
-            .iter()
-            .any(|p| p.condition == dip_grid::Condition::Symmetry);
-        let surface = surface::patches(&self.grid);
-        let reach = surface.extent_m().map_or(0.0, |[lo, hi]| hi[1] - lo[1]);
-        let width = r.semispan.map_or(reach, |s| s.0);
+        let s = &self.settings;
         let motion = self
             .wing
             .shapes
@@ -571,29 +567,21 @@ impl<'a> March<'a> {
             })
             .collect();
         Setup {
-            references: References {
-                model: "euler".to_owned(),
-                mach: f.mach,
-                speed_m_s: self.speed_m_s,
-                density_kg_m3: density,
-                pressure_pa: density * self.speed_m_s.powi(2) / (f.gamma * f.mach * f.mach),
-                gamma: f.gamma,
-                reynolds: None,
-                alpha_deg: f.alpha_deg,
-                reference_semichord_m: r.semichord.map_or(0.5 * r.chord.0, |b| b.0),
-                reference_chord_m: s.steady.reference.chord,
-                reference_area_m2: s.steady.reference.area,
-                span_m: if half { 2.0 * width } else { width },
-                moment_point_m: s.steady.reference.moment_point,
-                grid_unit_m: 1.0,
-                half_model: half,
-                time_step_s: s.step_s,
-                steps_per_cycle: None,
-                cycles_asked: None,
-                orders_asked: s.time.orders,
-            },
+            references: references(
+                &self.file.reference,
+                &self.grid,
+                &s.steady,
+                &Unsteady {
+                    speed_m_s: self.speed_m_s,
+                    density_kg_m3: density,
+                    step_s: s.step_s,
+                    steps_per_cycle: None,
+                    cycles: None,
+                    orders: s.time.orders,
+                },
+            ),
             motion,
-            surface,
+            surface: surface::patches(&self.grid),
             provenance: Provenance {
                 program: "pmb march".to_owned(),
                 version: format!("{} ({})", self.stamp.version, self.stamp.commit),

@@ -4,6 +4,7 @@ mod files;
 mod recorder;
 
 use crate::assemble::motion::{self, Clock};
+use crate::assemble::references::{Unsteady, references};
 use crate::assemble::{flow, grid, surface};
 use crate::exit::{Done, Stop};
 use crate::load_harmonics::{self, LoadHarmonics};
@@ -18,7 +19,7 @@ use dip_correct::reading::{self, Reading, ReadingSettings};
 use dip_pmb::dual_time::{DualTimeSettings, TimeScheme};
 use dip_pmb::forced::{self, ForcedResult, ForcedSettings, ForcedStop};
 use dip_pmb::steady::StopReason;
-use dip_record::{MotionCoordinate, Provenance, Recording, References, Setup, WriterOptions};
+use dip_record::{MotionCoordinate, Provenance, Recording, Setup, WriterOptions};
 use recorder::Recorder;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
@@ -259,7 +260,19 @@ pub fn compute(document: &Document, path: &Path, resume: bool, common: &Common) 
         checkpoint_steps: every.div_ceil(chunk) * chunk,
     };
     let setup = Setup {
-        references: references(&file, &mesh.grid, &settings, &stream, &clock, orders),
+        references: references(
+            &file.reference,
+            &mesh.grid,
+            &settings,
+            &Unsteady {
+                speed_m_s: stream.speed_m_s,
+                density_kg_m3: stream.density_kg_m3,
+                step_s: clock.step_s,
+                steps_per_cycle: (clock.steps_per_cycle > 0).then_some(clock.steps_per_cycle),
+                cycles: Some(file.motion.cycles as f64),
+                orders,
+            },
+        ),
         motion: vec![prescribed.recorded(&mesh.grid)],
         surface: surface::patches(&mesh.grid),
         provenance: Provenance {
@@ -450,66 +463,6 @@ pub fn steady_file(file: &PitchFile) -> SteadyFile {
         steady: file.steady.clone(),
         patch: file.patch.clone(),
         cuts: file.cuts.clone(),
-    }
-}
-
-fn references(
-    file: &PitchFile,
-    grid: &dip_grid::MultiBlock,
-    settings: &dip_pmb::settings::SteadySettings,
-    stream: &Stream,
-    clock: &Clock,
-    orders: f64,
-) -> References {
-    let planar = grid.is_two_dimensional();
-    let [lo, hi] = grid.bounds();
-    let half = !planar
-        && grid
-            .topology
-            .patches
-            .iter()
-            .any(|p| p.condition == dip_grid::Condition::Symmetry);
-    let wall = grid
-        .topology
-        .patches
-        .iter()
-        .filter(|p| p.condition.is_wall())
-        .flat_map(|p| {
-            let block = &grid.blocks[p.block];
-            let hi = p.window.hi;
-            let lo = p.window.lo;
-            (lo[1]..=hi[1])
-                .flat_map(move |q| (lo[0]..=hi[0]).map(move |i| block.point_at(block.node_behind(p.face, i, q, 0))[1]))
-        })
-        .fold([f64::INFINITY, f64::NEG_INFINITY], |r, y| [r[0].min(y), r[1].max(y)]);
-    let width = file.reference.semispan.map_or(wall[1] - wall[0], |s| s.0);
-    let pressure = stream.density_kg_m3 * stream.speed_m_s.powi(2) / (settings.flow.gamma * settings.flow.mach.powi(2));
-    References {
-        model: "euler".to_owned(),
-        mach: settings.flow.mach,
-        speed_m_s: stream.speed_m_s,
-        density_kg_m3: stream.density_kg_m3,
-        pressure_pa: pressure,
-        gamma: settings.flow.gamma,
-        reynolds: None,
-        alpha_deg: settings.flow.alpha_deg,
-        reference_semichord_m: file.reference.semichord.map_or(0.5 * file.reference.chord.0, |b| b.0),
-        reference_chord_m: settings.reference.chord,
-        reference_area_m2: settings.reference.area,
-        span_m: if planar {
-            hi[1] - lo[1]
-        } else if half {
-            2.0 * width
-        } else {
-            width
-        },
-        moment_point_m: settings.reference.moment_point,
-        grid_unit_m: 1.0,
-        half_model: half,
-        time_step_s: clock.step_s,
-        steps_per_cycle: (clock.steps_per_cycle > 0).then(|| u32::try_from(clock.steps_per_cycle).unwrap_or(u32::MAX)),
-        cycles_asked: Some(file.motion.cycles as f64),
-        orders_asked: orders,
     }
 }
 
