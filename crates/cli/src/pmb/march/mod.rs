@@ -31,7 +31,7 @@ const INPUTS: &str = "inputs.sha256";
 /// Finished densities of a search.
 const TRIALS: &str = "trials.json";
 
-/// Flow and structure marched together: one run, or with [search] the flutter point.
+/// Flow and structure marched together: one run, or with `[search]` the flutter point.
 #[derive(Debug, clap::Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Args {
