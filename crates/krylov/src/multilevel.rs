@@ -238,12 +238,14 @@ impl<S: Storage> Multilevel<S> {
                 coarse[0].matrix.aggregate(&fine[n - 1].matrix, &fine[n - 1].parents);
             }
             let level = &mut self.levels[n];
-            level
+            let factored: Vec<_> = level
                 .factors
                 .par_iter_mut()
                 .zip(&level.matrix.blocks)
                 .map(|(f, a)| f.factor(a))
-                .collect::<Result<Vec<()>, _>>()?;
+                .collect();
+            // The first singular block in their order, whatever thread met one first.
+            factored.into_iter().collect::<Result<(), _>>()?;
         }
         Ok(())
     }

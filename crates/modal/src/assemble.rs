@@ -48,21 +48,19 @@ pub(crate) fn assemble(model: &Model, index: &NodeIndex) -> Result<NodeMatrices,
     };
     let scale = model.settings.mass_scale;
     for chunk in model.shells.chunks(CHUNK) {
-        let parts: Vec<_> = chunk
-            .par_iter()
-            .map(|s| shell_matrices(model, index, s))
-            .collect::<Result<_, _>>()?;
-        for (nodes, m) in &parts {
+        let parts: Vec<_> = chunk.par_iter().map(|s| shell_matrices(model, index, s)).collect();
+        // The first bad element in the order of the model is reported, whatever thread met one first.
+        for part in parts {
+            let (nodes, m) = &part?;
             out.add(nodes, &m.stiffness, 1.0, Kind::Stiffness);
             out.add(nodes, &m.mass, scale, Kind::Mass);
         }
     }
     for chunk in model.bars.chunks(CHUNK) {
-        let parts: Vec<_> = chunk
-            .par_iter()
-            .map(|b| bar_matrices(model, index, b))
-            .collect::<Result<_, _>>()?;
-        for (nodes, m) in &parts {
+        let parts: Vec<_> = chunk.par_iter().map(|b| bar_matrices(model, index, b)).collect();
+        // The first bad element in the order of the model is reported, whatever thread met one first.
+        for part in parts {
+            let (nodes, m) = &part?;
             out.add(nodes, &m.stiffness, 1.0, Kind::Stiffness);
             out.add(nodes, &m.mass, scale, Kind::Mass);
         }

@@ -393,7 +393,7 @@ impl CorrectionCase {
             .iter()
             .flat_map(|(corrected, forces)| (0..flutter.methods.len()).map(move |m| (*corrected, forces, m)))
             .collect();
-        let mut solved = jobs
+        let solved: Vec<Result<CorrectedSolution, Stop>> = jobs
             .par_iter()
             .map(|(corrected, forces, m)| {
                 let timer = Timer::start();
@@ -425,7 +425,9 @@ impl CorrectionCase {
                     solution,
                 })
             })
-            .collect::<Result<Vec<_>, Stop>>()?;
+            .collect();
+        // The first error in the order of the jobs, whatever thread met one first.
+        let mut solved = solved.into_iter().collect::<Result<Vec<_>, Stop>>()?;
         let n = flutter.methods.len();
         let linear: Vec<Option<f64>> = solved.iter().take(n).map(|s| s.row.row.flutter_speed_m_s).collect();
         for (i, s) in solved.iter_mut().enumerate().skip(n) {

@@ -54,12 +54,15 @@ impl Aerodynamics {
                     results.push(use_factored(FactoredDownwash::new(matrix, mach, k, Par::rayon(0))?)?);
                 }
             } else {
-                let part: Result<Vec<T>, AicError> = matrices
+                let part: Vec<Result<T, AicError>> = matrices
                     .into_par_iter()
                     .zip(k.par_iter())
                     .map(|(matrix, &k)| use_factored(FactoredDownwash::new(matrix, mach, k, Par::Seq)?))
                     .collect();
-                results.extend(part?);
+                // The first error in the order of k, whatever thread met one first.
+                for result in part {
+                    results.push(result?);
+                }
             }
         }
         Ok(results)
