@@ -4,7 +4,7 @@ use crate::MismatchError;
 use crate::SampleError;
 use crate::apply::{RecordedPressures, References};
 use crate::reading::{Reading, Source};
-use crate::sample::{BoxMap, Rule, Wall};
+use crate::sample::{BoxMap, Rule, Wall, shape};
 use dip_dlm::aic::Aerodynamics;
 use dip_dlm::c64;
 use dip_dlm::gaf::PointRule;
@@ -143,18 +143,34 @@ pub fn check_axis(reading: &Reading, axis_point_m: [f64; 3], semichord_m: f64) -
     Ok(())
 }
 
+/// How much a recorded shape may differ from the case's mode of that number, root mean square of the displacement over that of
+/// the mode, and still be it. The wall's shape and the boxes' come from the structure by different interpolations.
+const SAME_SHAPE: f64 = 0.05;
+
+/// What recordings of one Mach number give on the boxes.
+#[derive(Clone, Debug)]
+pub struct Assembled {
+    /// Motions and pressures that corrections go by.
+    pub references: References,
+    /// The readings.
+    pub mapped: Vec<Mapped>,
+    /// What to know, in words.
+    pub notes: Vec<String>,
+}
+
 /// Reference motions and pressures of all readings (with the recordings that they are from) at one Mach number. `modes` are
-/// the structure's modes on the boxes, that recordings of modes refer to by number.
+/// the structure's modes on the boxes. A recording of a mode that has the shape of the case's mode of the same number stands
+/// for it; any other shape is a reference motion of its own, taken from the recorded displacements of the wall.
 ///
 /// # Errors
-/// A wall that does not cover the boxes, a mode that the case does not have.
+/// A wall that does not cover the boxes, a mode without shape that the case does not have.
 pub fn assemble(
     aerodynamics: &Aerodynamics,
     point_rule: PointRule,
     modes: &BoxMotion,
     recordings: &[(&Recording, Vec<Reading>)],
     rule: Rule,
-) -> Result<(References, Vec<Mapped>), BridgeError> {
+) -> Result<Assembled, BridgeError> {
     let lattice = aerodynamics.lattice();
     let n = lattice.n_boxes();
     let mut references = References {
@@ -165,14 +181,22 @@ pub fn assemble(
     };
     let mut kinds: Vec<CoordinateKey> = Vec::new();
     let mut mapped: Vec<Mapped> = Vec::new();
+    let mut notes: Vec<String> = Vec::new();
     for (recording, readings) in recordings {
         let half = recording.setup.references.half_model;
         let map = BoxMap::new(&Wall::recorded(&recording.setup.surface, half), lattice, rule)?;
         for reading in readings {
-            let key = CoordinateKey::of(reading)?;
+            let shape = recording
+                .setup
+                .motion
+                .iter()
+                .find(|c| c.name == reading.name)
+                .and_then(|c| shape::box_motion(&recording.setup.surface, &c.shape_m, half, lattice, point_rule));
+            let key = CoordinateKey::of(reading, shape, modes)?;
             let coordinate = match kinds.iter().position(|k| k.same(&key)) {
                 Some(at) => at,
                 None => {
+                    notes.extend(key.note(reading, modes));
                     push_motion(&mut references, lattice, point_rule, modes, &key, &reading.label)?;
                     kinds.push(key);
                     kinds.len() - 1
@@ -207,7 +231,11 @@ pub fn assemble(
         .iter()
         .position(|k| matches!(k, CoordinateKey::Pitch { .. }))
         .unwrap_or(0);
-    Ok((references, mapped))
+    Ok(Assembled {
+        references,
+        mapped,
+        notes,
+    })
 }
 
 /// Why readings can't be put on the boxes.
@@ -229,14 +257,41 @@ pub enum BridgeError {
 /// What makes two coordinates the same motion.
 #[derive(Clone, Debug)]
 enum CoordinateKey {
-    Pitch { point: [f64; 3], direction: [f64; 3] },
-    Plunge { direction: [f64; 3] },
+    Pitch {
+        point: [f64; 3],
+        direction: [f64; 3],
+    },
+    Plunge {
+        direction: [f64; 3],
+    },
+    /// The case's mode, from 0.
     Mode(usize),
-    Control { point: [f64; 3], direction: [f64; 3] },
+    /// A mode of another structure: number, from 0, and what it does to the boxes.
+    Shape(usize, BoxMotion),
+    Control {
+        point: [f64; 3],
+        direction: [f64; 3],
+    },
+}
+
+/// Root mean square of the difference of two displacements, of one column each, over that of the second.
+fn difference(a: &[f64], b: &[f64]) -> f64 {
+    let apart: f64 = a.iter().zip(b).map(|(x, y)| (x - y).powi(2)).sum();
+    (apart / product(b, b).max(f64::MIN_POSITIVE)).sqrt()
+}
+
+fn product(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(x, y)| x * y).sum()
+}
+
+/// Displacement of the boxes in the case's mode.
+fn displacement(modes: &BoxMotion, mode: usize) -> Option<&[f64]> {
+    (mode < modes.n_modes).then(|| &modes.at_control[mode * modes.n_boxes..(mode + 1) * modes.n_boxes])
 }
 
 impl CoordinateKey {
-    fn of(reading: &Reading) -> Result<Self, BridgeError> {
+    /// `shape` is what the recorded displacements of the wall do to the boxes, where there are any.
+    fn of(reading: &Reading, shape: Option<BoxMotion>, modes: &BoxMotion) -> Result<Self, BridgeError> {
         Ok(match reading.kind {
             CoordinateKind::Pitch {
                 axis_point_m,
@@ -254,7 +309,16 @@ impl CoordinateKey {
                 direction: axis_direction,
             },
             CoordinateKind::Mode => match reading.mode {
-                Some(mode) if mode.number > 0 => Self::Mode(mode.number as usize - 1),
+                Some(mode) if mode.number > 0 => {
+                    let number = mode.number as usize - 1;
+                    let own = displacement(modes, number);
+                    match shape {
+                        Some(shape) if own.is_none_or(|own| difference(&shape.at_control, own) > SAME_SHAPE) => {
+                            Self::Shape(number, shape)
+                        }
+                        _ => Self::Mode(number),
+                    }
+                }
                 _ => {
                     return Err(BridgeError::Motion {
                         label: reading.label.clone(),
@@ -274,8 +338,39 @@ impl CoordinateKey {
             }
             (Self::Plunge { direction }, Self::Plunge { direction: d }) => near(direction, d),
             (Self::Mode(a), Self::Mode(b)) => a == b,
+            (Self::Shape(a, shape), Self::Shape(b, other)) => {
+                a == b && difference(&other.at_control, &shape.at_control) <= SAME_SHAPE
+            }
             _ => false,
         }
+    }
+
+    /// That a recording moves in a shape which the case does not have.
+    fn note(&self, reading: &Reading, modes: &BoxMotion) -> Option<String> {
+        let Self::Shape(number, shape) = self else {
+            return None;
+        };
+        let why = match displacement(modes, *number) {
+            Some(own) => {
+                // Normalizations differ from one source of modes to the next: what is left beside the best multiple.
+                let scale = product(&shape.at_control, own) / product(own, own).max(f64::MIN_POSITIVE);
+                let scaled: Vec<f64> = own.iter().map(|h| scale * h).collect();
+                format!(
+                    "is {scale:.4} times the case's mode {} and {:.1} % of something else",
+                    number + 1,
+                    100.0 * difference(&scaled, &shape.at_control)
+                )
+            }
+            None => format!(
+                "is mode {} of a structure, the case has {} modes",
+                number + 1,
+                modes.n_modes
+            ),
+        };
+        Some(format!(
+            "{}: the recorded shape {why}; it is a reference motion of its own, with the downwash of the recorded wall",
+            reading.label
+        ))
     }
 }
 
@@ -322,6 +417,7 @@ fn push_motion(
             });
             mode_of = Some(*mode);
         }
+        CoordinateKey::Shape(_, shape) => references.motion.append(shape),
         CoordinateKey::Control { .. } => {
             let Some(control) = lattice.controls().first() else {
                 return Err(BridgeError::Motion {

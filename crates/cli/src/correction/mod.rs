@@ -13,7 +13,7 @@ use dip_case::Document;
 use dip_case::file::{CorrectMethod, CorrectTable, FlutterTable, Sampling};
 use dip_correct::apply::{self, Corrected};
 use dip_correct::audit::{self, Audit, StripPhase};
-use dip_correct::bridge::{self, Mapped};
+use dip_correct::bridge::{self, Assembled, Mapped};
 use dip_correct::reading::{Reading, ReadingSettings, read};
 use dip_correct::sample::Rule;
 use dip_correct::weight::schedule::Place;
@@ -84,6 +84,8 @@ pub struct MachCorrection {
     pub phases: Vec<(f64, Vec<StripPhase>)>,
     /// Flutter: uncorrected first, then by correction; for each by flutter method.
     pub solutions: Vec<CorrectedSolution>,
+    /// What to know of the recordings.
+    pub notes: Vec<String>,
 }
 
 /// All that a case gives.
@@ -235,7 +237,10 @@ impl CorrectionCase {
             )?);
             tracing::debug!("Mach {mach} done");
         }
-        let mut notes = Vec::new();
+        let of_recordings = machs
+            .iter()
+            .flat_map(|m| m.notes.iter().map(|note| format!("Mach {}, {note}", m.mach)));
+        let mut notes: Vec<String> = of_recordings.collect();
         let missing: Vec<String> = case
             .file
             .lattice
@@ -329,7 +334,11 @@ impl CorrectionCase {
             }
             readings.push((recording, of));
         }
-        let (references, mapped) = bridge::assemble(aerodynamics, case.point_rule(), motion, &readings, self.rule())
+        let Assembled {
+            references,
+            mapped,
+            notes,
+        } = bridge::assemble(aerodynamics, case.point_rule(), motion, &readings, self.rule())
             .map_err(|e| Stop::input(e.to_string(), "give recordings of this wing and its modes"))?;
         stages.push((format!("harmonics and boxes, Mach {mach}"), timer.seconds()));
 
@@ -368,6 +377,7 @@ impl CorrectionCase {
         stages.push((format!("flutter, Mach {mach}"), timer.seconds()));
         Ok(MachCorrection {
             mach,
+            notes,
             mapped,
             correction,
             audit,

@@ -22,6 +22,7 @@
 //! mid-span, as in the thesis; keeps neither.
 
 pub(crate) mod polygon;
+pub mod shape;
 mod sheet;
 
 use crate::SampleError;

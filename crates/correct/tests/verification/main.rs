@@ -4,4 +4,5 @@ mod harmonics;
 mod mapping;
 mod methods;
 mod mistakes;
+mod shapes;
 mod wing;

@@ -1,7 +1,7 @@
 //! A swept, tapered half wing and its recordings.
 
 use dip_correct::References;
-use dip_correct::bridge::{Mapped, assemble};
+use dip_correct::bridge::{Assembled, Mapped, assemble};
 use dip_correct::reading::{Reading, ReadingSettings, read};
 use dip_correct::sample::Rule;
 use dip_correct::synthetic::{Disturbance, Synthetic};
@@ -104,6 +104,11 @@ pub fn moving_mode<'a>(wing: &'a Aerodynamics, mode: usize, omega_rad_s: f64) ->
 }
 
 pub fn bridge(wing: &Aerodynamics, recordings: &[Recording], settings: &ReadingSettings) -> (References, Vec<Mapped>) {
+    let all = assembled(wing, recordings, settings);
+    (all.references, all.mapped)
+}
+
+pub fn assembled(wing: &Aerodynamics, recordings: &[Recording], settings: &ReadingSettings) -> Assembled {
     let read: Vec<(&Recording, Vec<Reading>)> = recordings
         .iter()
         .map(|r| (r, read(r, "synthetic", settings).unwrap()))
