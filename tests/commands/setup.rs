@@ -65,8 +65,12 @@ impl CaseFolder {
     pub fn flow() -> Self {
         let case = Self::whole();
         std::fs::write(case.path("mesh.toml"), SMALL_MESH).unwrap();
-        for file in ["pitch.toml", "march.toml"] {
-            case.edit(file, "../../meshes/agard445_ch_euler.toml", "mesh.toml");
+        for (file, mesh) in [
+            ("pitch.toml", "../../meshes/agard445_ch_euler.toml"),
+            ("pitch_modes.toml", "../../meshes/agard445_ch_euler_coarse.toml"),
+            ("march.toml", "../../meshes/agard445_ch_euler.toml"),
+        ] {
+            case.edit(file, mesh, "mesh.toml");
             case.edit(file, "steps_per_cycle = 40", "steps_per_cycle = 24");
         }
         case.edit(

@@ -109,14 +109,18 @@ fn a_whole_study_records_corrects_and_marches() {
         point["flutter_speed_index"].as_f64().unwrap()
     };
     let lattice = index("DLM, Yates' modes");
-    for curve in ["DLM corrected, Yates' modes", "Euler march, Yates' modes"] {
+    for curve in [
+        "DLM corrected by pitch, Yates' modes",
+        "DLM corrected by mode 1, Yates' modes",
+        "Euler march, Yates' modes",
+    ] {
         let ratio = index(curve) / lattice;
         assert!((ratio - 1.0).abs() < 0.06, "{curve}: {ratio}");
     }
     let page = std::fs::read_to_string(case.path("out/report.html")).unwrap();
     assert!(page.contains("Time per flutter point") && page.contains("Audit of the hand-over"));
     // A curve that is lost is made again from the recordings, which are kept.
-    std::fs::remove_file(case.path("out/dlm-corrected-yates-modes/summary.json")).unwrap();
+    std::fs::remove_file(case.path("out/dlm-corrected-by-pitch-yates-modes/summary.json")).unwrap();
     let again = case.run("dip", &["compare", "boundary.toml", "--out", "out", "--json"]);
     assert!(
         again.stderr.matches("pitch.mcap: kept").count() == 2,

@@ -70,7 +70,7 @@ pub enum Style {
     Dotted,
     /// Markers only, one for every point.
     Markers(Marker),
-    /// Full line with markers; where points crowd, the line stays whole and markers are thinned out.
+    /// Full line with markers; where points crowd, the line stays whole and markers are thinned out (not of twenty or fewer).
     LineMarkers(Marker),
     /// Dashed line with markers, thinned out likewise.
     DashedMarkers(Marker),

@@ -69,6 +69,9 @@ pub(crate) struct Bar {
 /// Least distance between markers on a line, px.
 const MARKER_SPACING: f64 = 13.0;
 
+/// Up to this many points each one is a result to be seen, however near the next one.
+const FEW: usize = 20;
+
 impl Trace {
     /// Places a series in the plot.
     pub(crate) fn new(series: &Series, x: &Mapping, y: &Mapping, plot: &Rect) -> Self {
@@ -78,7 +81,7 @@ impl Trace {
         let (lined, marked, thinned) = match series.style {
             Style::Line | Style::Dashed | Style::Dotted => (true, false, false),
             Style::Markers(_) => (false, true, false),
-            Style::LineMarkers(_) | Style::DashedMarkers(_) => (true, true, true),
+            Style::LineMarkers(_) | Style::DashedMarkers(_) => (true, true, points.len() > FEW),
         };
         if lined {
             trace.join(&points, plot);

@@ -45,7 +45,7 @@ pub fn write(
         summary.push(Block::Table(curve_table(&result.name, points)?));
     }
     summary.push(Block::Paragraph(
-        "\u{3c1} density, U flutter speed, f flutter frequency, FSI flutter speed index; exp. stands for experiment. The error is that of the speed index; the time is that of the point's generalized forces and flutter solution.".into(),
+        "\u{3c1} density, U flutter speed, f flutter frequency, FSI flutter speed index; exp. stands for experiment. The error is that of the speed index; the time is that of the point, recordings and marches included. In the frequency domain the speed is varied at the point's density, a march holds the speed and varies the density.".into(),
     ));
     summary.push(figure(
         folder,

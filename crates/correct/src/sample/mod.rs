@@ -182,11 +182,9 @@ impl BoxMap {
             let nearest = sheets.iter().min_by(|a, b| a.distance2(at).total_cmp(&b.distance2(at)));
             let Some(sheet) = nearest else { continue };
             let polygon: Vec<Point> = face.corners_m.iter().map(|p| sheet.project(*p).0).collect();
-            cut(sheet, index, polygon, |part, at_box, inside| {
+            cut(sheet, index, polygon, |part, at_box, beyond| {
                 projected += part.area.abs();
-                if !inside {
-                    outside += part.area.abs();
-                }
+                outside += beyond;
                 parts.push(part);
                 box_of.push(at_box);
             });
@@ -212,8 +210,7 @@ impl BoxMap {
         self.rule
     }
 
-    /// Part of the projected area of all faces that reaches outside of the planform of the boxes: the piece of a face in a strip that goes over
-    /// its edge counts whole, so that this is an upper bound.
+    /// Part of the projected area of all faces that lies outside of the planform of the boxes.
     #[must_use]
     pub fn overhang(&self) -> f64 {
         self.overhang
@@ -270,8 +267,8 @@ pub fn strip_loads_of_boxes(lattice: &Lattice, dcp: &[c64]) -> StripLoads {
     }
 }
 
-/// Cuts a face by the lines of a sheet; `take` gets each part, its box, and whether it lies inside of the planform.
-fn cut(sheet: &Sheet, face: usize, polygon: Vec<Point>, mut take: impl FnMut(Part, usize, bool)) {
+/// Cuts a face by the lines of a sheet; `take` gets each part, its box, and how much of its area lies outside of the planform.
+fn cut(sheet: &Sheet, face: usize, polygon: Vec<Point>, mut take: impl FnMut(Part, usize, f64)) {
     let mut rest = polygon;
     let last_strip = sheet.strips.len().saturating_sub(1);
     for (index, strip) in sheet.strips.iter().enumerate() {
@@ -288,27 +285,31 @@ fn cut(sheet: &Sheet, face: usize, polygon: Vec<Point>, mut take: impl FnMut(Par
             rest = beyond;
             inner
         };
-        let spanwise_inside = column.iter().all(|p| {
-            p[1] >= strip.ends[0] - 1e-9 * (outer - strip.ends[0]) && p[1] <= outer + 1e-9 * (outer - strip.ends[0])
-        });
         let width = strip.ends[1] - strip.ends[0];
         let line_at = |line: &[f64; 2], s: f64| line[0] + (s - strip.ends[0]) / width * (line[1] - line[0]);
         let (front, rear) = (strip.lines[0], strip.lines[strip.lines.len() - 1]);
         let mut give = |part: &[Point], at: usize| {
             let (area, moment) = moments(part);
             if area != 0.0 || moment != 0.0 {
-                let slack = 1e-9 * (line_at(&rear, strip.ends[0]) - line_at(&front, strip.ends[0])).abs();
-                let inside = spanwise_inside
-                    && part
-                        .iter()
-                        .all(|p| p[0] >= line_at(&front, p[1]) - slack && p[0] <= line_at(&rear, p[1]) + slack);
+                let edges: [&dyn Fn(Point) -> f64; 4] = [
+                    &|p| p[1] - outer,
+                    &|p| strip.ends[0] - p[1],
+                    &|p| line_at(&front, p[1]) - p[0],
+                    &|p| p[0] - line_at(&rear, p[1]),
+                ];
+                let slack = 1e-9 * width.abs();
+                let crossed = edges.iter().filter(|edge| part.iter().any(|p| edge(*p) > slack));
+                let within = crossed.fold(None, |kept: Option<Vec<Point>>, edge| {
+                    Some(split(kept.as_deref().unwrap_or(part), edge).0)
+                });
+                let beyond = within.map_or(0.0, |within| area.abs() - moments(&within).0.abs());
                 let part = Part {
                     face,
                     strip: strip.number,
                     area,
                     moment,
                 };
-                take(part, at, inside);
+                take(part, at, beyond.max(0.0));
             }
         };
         let inner_lines = &strip.lines[1..strip.lines.len() - 1];
