@@ -11,5 +11,6 @@ mod commands {
     pub mod recording;
     pub mod setup;
     pub mod steady;
+    pub mod steady_faults;
     pub mod study;
 }

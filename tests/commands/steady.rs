@@ -8,7 +8,7 @@ use std::path::Path;
 use std::process::{Command, Stdio};
 
 /// The shipped NACA 0012 case on a quarter of its cells.
-fn small() -> CaseFolder {
+pub fn small() -> CaseFolder {
     let case = CaseFolder::small();
     let shipped = Path::new(env!("CARGO_MANIFEST_DIR")).join("cases/naca0012");
     for file in ["steady.toml", "mesh.toml"] {
@@ -27,12 +27,12 @@ fn small() -> CaseFolder {
     case
 }
 
-fn summary(case: &CaseFolder, folder: &str) -> Value {
+pub fn summary(case: &CaseFolder, folder: &str) -> Value {
     serde_json::from_str(&fs::read_to_string(case.path(folder).join("summary.json")).unwrap()).unwrap()
 }
 
 /// The history without its last column, the seconds.
-fn history(case: &CaseFolder, folder: &str) -> Vec<String> {
+pub fn history(case: &CaseFolder, folder: &str) -> Vec<String> {
     let text = fs::read_to_string(case.path(folder).join("history.csv")).unwrap();
     text.lines().map(|l| l.rsplit_once(',').unwrap().0.to_owned()).collect()
 }

@@ -194,8 +194,12 @@ impl<S: Storage> Gcg<S> {
     ) -> Result<f64, KrylovError> {
         let used = if full { self.kept.len() } else { slot + 1 };
         let mut new = std::mem::take(&mut self.kept[slot]);
-        new.p.resize(b.len(), S::default());
-        new.q.resize(b.len(), S::default());
+        for vector in [&mut new.p, &mut new.q] {
+            if vector.len() != b.len() {
+                // Zeros from the system: their pages come when a thread first writes to them, not here one by one.
+                *vector = vec![S::default(); b.len()];
+            }
+        }
         preconditioner.solve(b, &mut new.p);
         operator.apply(&new.p, &mut self.image)?;
 

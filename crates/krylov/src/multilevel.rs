@@ -36,14 +36,17 @@ pub struct Coupling {
 pub struct LevelMatrix<S> {
     /// One matrix a block. The lower (upper) blocks of cells at the lower (upper) end of a direction hold the couplings.
     pub blocks: Vec<BlockMatrix<S>>,
-    /// Couplings between blocks.
-    pub couplings: Vec<Coupling>,
+    /// Couplings between blocks, by block.
+    couplings: Vec<Vec<Coupling>>,
     /// First cell of each block, counted over all blocks.
     offsets: Vec<usize>,
 }
 
 impl<S: Storage> LevelMatrix<S> {
     /// Matrices of zeros for blocks of `cells`.
+    ///
+    /// # Panics
+    /// If a coupling is of a block that there is not.
     #[must_use]
     pub fn zeros(cells: &[[usize; 3]], couplings: Vec<Coupling>) -> Self {
         let mut offsets = Vec::with_capacity(cells.len());
@@ -52,9 +55,13 @@ impl<S: Storage> LevelMatrix<S> {
             offsets.push(total);
             total += c.iter().product::<usize>();
         }
+        let mut by_block = vec![Vec::new(); cells.len()];
+        for coupling in couplings {
+            by_block[coupling.block as usize].push(coupling);
+        }
         Self {
             blocks: cells.iter().map(|c| BlockMatrix::zeros(*c)).collect(),
-            couplings,
+            couplings: by_block,
             offsets,
         }
     }
@@ -75,24 +82,24 @@ impl<S: Storage> LevelMatrix<S> {
             .into_par_iter()
             .zip(&self.blocks)
             .zip(&self.offsets)
-            .for_each(|((out, matrix), offset)| {
+            .zip(&self.couplings)
+            .for_each(|(((out, matrix), offset), couplings)| {
                 let range = offset * VARIABLES..offset * VARIABLES + out.len();
                 matrix.subtract_product(&r[range.clone()], &z[range], out);
+                for c in couplings {
+                    let at = (c.cell as usize * matrix.directions() + c.direction as usize) * BLOCK;
+                    let block = if c.upper {
+                        &matrix.upper[at..]
+                    } else {
+                        &matrix.lower[at..]
+                    };
+                    let row = c.cell as usize * VARIABLES;
+                    let mut y = zero_lanes::<S>();
+                    y[..VARIABLES].copy_from_slice(&out[row..row + VARIABLES]);
+                    let y = multiply_subtract(block, &z[c.neighbour as usize * VARIABLES..], y);
+                    out[row..row + VARIABLES].copy_from_slice(&y[..VARIABLES]);
+                }
             });
-        for c in &self.couplings {
-            let matrix = &self.blocks[c.block as usize];
-            let at = (c.cell as usize * matrix.directions() + c.direction as usize) * BLOCK;
-            let block = if c.upper {
-                &matrix.upper[at..]
-            } else {
-                &matrix.lower[at..]
-            };
-            let row = (self.offsets[c.block as usize] + c.cell as usize) * VARIABLES;
-            let mut y = zero_lanes::<S>();
-            y[..VARIABLES].copy_from_slice(&out[row..row + VARIABLES]);
-            let y = multiply_subtract(block, &z[c.neighbour as usize * VARIABLES..], y);
-            out[row..row + VARIABLES].copy_from_slice(&y[..VARIABLES]);
-        }
     }
 
     /// Sums the blocks of `fine` over the aggregates: `parents[fine cell]` is a cell of this level, both counted over all

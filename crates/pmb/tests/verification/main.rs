@@ -1,10 +1,12 @@
 //! Exact properties: fluxes, reconstruction, residual, order of accuracy, conservation.
 
+mod exact_flow;
 mod flux;
 mod march;
 mod order;
 mod residual;
 mod steady;
+mod symmetry;
 mod unsteady;
 
 /// A small generator of repeatable numbers in [-1, 1).

@@ -33,7 +33,7 @@ fn bump(cells: [usize; 3]) -> MultiBlock {
     grid
 }
 
-fn naca0012(surface: usize) -> MultiBlock {
+pub fn naca0012(surface: usize) -> MultiBlock {
     AerofoilGrid {
         kind: AerofoilKind::C,
         section: Section::naca4("0012")
