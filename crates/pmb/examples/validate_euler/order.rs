@@ -14,6 +14,9 @@ use crate::Outcome;
 mod exact_flow;
 use exact_flow::{error, ringleb, ringleb_grid, vortex, vortex_grid};
 
+/// Error on so many cells a side.
+type Measure = dyn Fn(usize, Reconstruction) -> f64;
+
 const CELLS: [usize; 6] = [12, 24, 48, 96, 192, 384];
 
 /// Runs all and returns the table.
@@ -32,7 +35,7 @@ pub fn order(folder: &Path) -> Outcome<String> {
     let mut chart = Chart::new("Density error of exact flows", "cells a side", "L2 error")
         .log_x()
         .log_y();
-    let cases: [(&str, &dyn Fn(usize, Reconstruction) -> f64); 6] = [
+    let cases: [(&str, &Measure); 6] = [
         ("vortex, ring", &|n, r| {
             error(&vortex_grid(n, 2.0, 0.04, [FarField; 4]), r, vortex)
         }),
