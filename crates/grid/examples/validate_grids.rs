@@ -1,23 +1,26 @@
 //! Makes every shipped recipe, checks it, and writes `docs/validation/grids/`: a table of quality figures, and pictures.
 //! `cargo run --release -p dip-grid --example validate_grids`
 
+use std::error::Error;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use dip_grid::quality::{self, names};
-use dip_grid::{picture, recipe, wall_distance};
+use dip_grid::quality::{self, Report, names};
+use dip_grid::recipe::{Recipe, SmoothingStart, SmoothingTable};
+use dip_grid::{Block, MultiBlock, coarsen, picture, recipe, vector, wall_distance};
 
 /// Recipes with the pictures that the page shows.
-const SHOWN: [(&str, &[&str]); 5] = [
+const SHOWN: [(&str, &[&str]); 6] = [
     ("agard445_oo_coarse", &["surface", "section", "tip", "symmetry-plane"]),
     ("agard445_ch_coarse", &["section", "nose", "symmetry-plane"]),
+    ("agard445_section", &["section", "nose", "tail"]),
     ("naca0012_c", &["section", "nose"]),
     ("naca0012_o", &["section", "tail"]),
     ("naca0012_blunt", &["tail"]),
 ];
 
-fn main() -> Result<(), Box<dyn std::error::Error>> {
+fn main() -> Result<(), Box<dyn Error>> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
     let out = root.join("docs/validation/grids");
     std::fs::create_dir_all(&out)?;
@@ -34,8 +37,9 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
          - *skew*: largest departure from 90 degrees of the lines through a cell; on swept wings 45 degrees are the planform's.\n\
          - *stretch*: largest ratio of neighbouring cells' thickness.\n\
          - *closure*: largest sum of a cell's area vectors over the sum of its areas.\n\
-         - *wall*: least and mean height of the wall's cells.\n\n\
-         | recipe | blocks | cells | nodes | volume | Jacobian | skew | stretch | closure | wall | seconds | verdict |\n|---|---|---|---|---|---|---|---|---|---|---|---|\n",
+         - *wall*: least and mean height of the wall's cells.\n\
+         - *angle*: largest and mean angle between the line off the wall and the wall's normal. Planes y = const round a swept wing\n  lean by its sweep at the nose; away from it lines are normal to the wall.\n\n\
+         | recipe | blocks | cells | nodes | volume | Jacobian | skew | stretch | closure | wall | angle, deg | seconds | verdict |\n|---|---|---|---|---|---|---|---|---|---|---|---|---|\n",
     );
     for path in &recipes {
         let stem = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
@@ -43,12 +47,10 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let grid = recipe::make(path)?;
         let seconds = start.elapsed().as_secs_f64();
         let report = quality::check(&grid);
-        let worst = |name: &str| {
-            report
-                .figure(name)
-                .and_then(|f| f.worst.first())
-                .map_or(f64::NAN, |p| p.value)
-        };
+        let worst = |name: &str| worst(&report, name);
+        let angle = report.figure(names::WALL_ANGLE).map_or("-".into(), |f| {
+            format!("{:.1} / {:.2}", worst(names::WALL_ANGLE), f.mean)
+        });
         let wall = report
             .wall_spacing
             .map_or("-".into(), |[least, mean, _]| format!("{least:.2e} / {mean:.2e} m"));
@@ -59,7 +61,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         };
         writeln!(
             page,
-            "| {stem} | {} | {} | {} | {:.2e} | {:.3} | {:.1} | {:.2} | {:.0e} | {wall} | {seconds:.1} | {verdict} |",
+            "| {stem} | {} | {} | {} | {:.2e} | {:.3} | {:.1} | {:.2} | {:.0e} | {wall} | {angle} | {seconds:.1} | {verdict} |",
             report.blocks,
             report.cells,
             report.nodes,
@@ -79,6 +81,9 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         }
     }
     page.push_str("\nSeconds are wall time of making, splitting included, on two threads of a shared machine; they are not part of the check.\n");
+    families(&root, &mut page)?;
+    smoothing(&root, &out, &mut page)?;
+    page.push_str(BROKEN);
     page.push_str("\n## Wall distance\n\n| recipe | cells | seconds |\n|---|---|---|\n");
     for stem in ["agard445_ch_coarse", "agard445_ch_medium"] {
         let grid = recipe::make(&root.join("meshes").join(format!("{stem}.toml")))?;
@@ -98,3 +103,150 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     std::fs::write(out.join("README.md"), page)?;
     Ok(())
 }
+
+fn worst(report: &Report, name: &str) -> f64 {
+    report
+        .figure(name)
+        .and_then(|f| f.worst.first())
+        .map_or(f64::NAN, |p| p.value)
+}
+
+/// Are the coarser levels of the shipped families the finer ones' points?
+fn families(root: &Path, page: &mut String) -> Result<(), Box<dyn Error>> {
+    page.push_str(
+        "\n## Levels\n\nEvery second point of the finer level, compared with the level as its recipe makes it (as one block).\n\n\
+         | finer | nodes | coarser | nodes | points that differ in any bit |\n|---|---|---|---|---|\n",
+    );
+    for family in ["oo", "ch"] {
+        let names = ["", "_medium", "_coarse", "_coarsest"].map(|level| format!("agard445_{family}{level}"));
+        let mut finer: Option<MultiBlock> = None;
+        for (n, name) in names.iter().enumerate() {
+            let grid = one_block(root, name)?.make()?;
+            if let Some(finer) = finer {
+                let kept = coarsen::coarsen(&finer)?;
+                let differ: usize = kept.blocks.iter().zip(&grid.blocks).map(|(a, b)| differing(a, b)).sum();
+                writeln!(
+                    page,
+                    "| {} | {} | {name} | {} | {differ} |",
+                    names[n - 1],
+                    finer.node_count(),
+                    grid.node_count()
+                )?;
+            }
+            finer = Some(grid);
+        }
+    }
+    Ok(())
+}
+
+fn one_block(root: &Path, name: &str) -> Result<Recipe, Box<dyn Error>> {
+    let mut recipe = recipe::read(&root.join("meshes").join(format!("{name}.toml")))?;
+    recipe.blocks = None;
+    Ok(recipe)
+}
+
+fn differing(a: &Block, b: &Block) -> usize {
+    if a.cells() != b.cells() {
+        return a.node_count().max(b.node_count());
+    }
+    let bits = |block: &Block, n: usize| [block.x[n], block.y[n], block.z[n]].map(f64::to_bits);
+    (0..a.node_count()).filter(|&n| bits(a, n) != bits(b, n)).count()
+}
+
+/// What smoothing does to viscous grids, from the map and from transfinite interpolation.
+fn smoothing(root: &Path, out: &Path, page: &mut String) -> Result<(), Box<dyn Error>> {
+    page.push_str(
+        "\n## Smoothing\n\nViscous grids with and without a `[smoothing]` table: largest skewness, largest and mean angle between the lines off the\n\
+         wall and its normal, and the largest relative change of any first step against the map's.\n\n\
+         | recipe | inside | sweeps | skew | angle at the wall, deg | first step off | seconds |\n|---|---|---|---|---|---|---|\n",
+    );
+    let of = |start, sweeps| {
+        Some(SmoothingTable {
+            start,
+            sweeps: Some(sweeps),
+        })
+    };
+    for name in [
+        "agard445_section",
+        "naca0012_viscous",
+        "rae2822_c",
+        "agard445_ch_coarse",
+    ] {
+        let mut recipe = one_block(root, name)?;
+        if name == "agard445_ch_coarse" {
+            // As a grid of its own: what is smoothed is made at its own level.
+            halve(&mut recipe);
+        }
+        let cases = [
+            ("map", None),
+            ("map, smoothed", of(SmoothingStart::Map, 300)),
+            ("transfinite", of(SmoothingStart::Transfinite, 0)),
+            ("transfinite, smoothed", of(SmoothingStart::Transfinite, 100)),
+            ("transfinite, smoothed", of(SmoothingStart::Transfinite, 300)),
+        ];
+        let mut map: Option<MultiBlock> = None;
+        for (inside, table) in cases {
+            recipe.smoothing = table;
+            let start = Instant::now();
+            let grid = recipe.make()?;
+            let seconds = start.elapsed().as_secs_f64();
+            let report = quality::check(&grid);
+            let angle = report.figure(names::WALL_ANGLE).map_or(f64::NAN, |f| f.mean);
+            let off = map
+                .as_ref()
+                .map_or(0.0, |map| step_off(&map.blocks[0], &grid.blocks[0]));
+            writeln!(
+                page,
+                "| {name} | {inside} | {} | {:.1} | {:.1} / {angle:.2} | {off:.0e} | {seconds:.1} |",
+                table.and_then(|t| t.sweeps).unwrap_or(0),
+                worst(&report, names::SKEWNESS),
+                worst(&report, names::WALL_ANGLE),
+            )?;
+            if name == "agard445_section" && inside == "transfinite" {
+                for shown in picture::overview(&grid, "AGARD 445.6 section, transfinite interpolation alone") {
+                    if shown.name == "nose" {
+                        std::fs::write(out.join("transfinite-nose.svg"), shown.svg)?;
+                    }
+                }
+            }
+            map.get_or_insert(grid);
+        }
+    }
+    page.push_str(
+        "\nThe conformal map is the solution of Laplace's equations: smoothing cannot better it but at kinks, and keeps it for the\n\
+         shipped wings. Transfinite interpolation becomes usable by smoothing; `agard445_section` is made so.\n\n\
+         ![AGARD 445.6 section, transfinite interpolation alone](transfinite-nose.svg)\n",
+    );
+    Ok(())
+}
+
+/// The recipe of the coarser level as a recipe of its own: cells halved as often as it says.
+fn halve(recipe: &mut Recipe) {
+    let times = recipe.coarsen.take().unwrap_or(0);
+    let cells = &mut recipe.cells;
+    for count in [
+        &mut cells.surface,
+        &mut cells.wake,
+        &mut cells.normal,
+        &mut cells.span,
+        &mut cells.outboard,
+    ] {
+        *count = count.map(|n| n >> times);
+    }
+}
+
+/// Largest relative difference of the first steps off j = 0.
+fn step_off(a: &Block, b: &Block) -> f64 {
+    let step = |block: &Block, i: usize, k: usize| vector::distance(block.point(i, 0, k), block.point(i, 1, k));
+    let lines = (0..=a.nk).flat_map(|k| (0..=a.ni).map(move |i| (i, k)));
+    lines
+        .map(|(i, k)| (step(b, i, k) / step(a, i, k) - 1.0).abs())
+        .fold(0.0, f64::max)
+}
+
+/// How broken input was searched for, by hand: the search is not part of this program.
+const BROKEN: &str = "
+## Broken input
+
+FUZZTEXT
+";

@@ -13,7 +13,11 @@
 //! b = { block = 0, face = "imax" }
 //! swap = false
 //! reverse = [false, false]
-//! translation = [1.0, 0.0, 0.0] # periodic: from a to b
+//! translation = [1.0, 0.0, 0.0] # periodic: from a to b; or
+//! # rotation = { centre = [0.0, 0.0, 0.0], axis = [1.0, 0.0, 0.0], angle_deg = 30.0 }
+//!
+//! [[periodic]]             # interfaces that are found by their points after a shift or a turn
+//! rotation = { axis = [1.0, 0.0, 0.0], angle_deg = 30.0 }
 //! ```
 
 use std::fmt::Write;
@@ -21,6 +25,7 @@ use std::fmt::Write;
 use serde::Deserialize;
 
 use crate::face::{Face, Window};
+use crate::period::Period;
 use crate::topology::{Condition, Interface, MultiBlock, Orientation, Patch, Side, Topology};
 
 /// What is wrong with a boundary file.
@@ -40,6 +45,40 @@ struct File {
     patch: Vec<PatchTable>,
     #[serde(default)]
     interface: Vec<InterfaceTable>,
+    #[serde(default)]
+    periodic: Vec<PeriodTable>,
+}
+
+#[derive(Clone, Copy, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct RotationTable {
+    #[serde(default)]
+    centre: [f64; 3],
+    axis: [f64; 3],
+    angle_deg: f64,
+}
+
+#[derive(Clone, Copy, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct PeriodTable {
+    translation: Option<[f64; 3]>,
+    rotation: Option<RotationTable>,
+}
+
+impl PeriodTable {
+    fn period(self) -> Result<Option<Period>, String> {
+        let period = match (self.translation, self.rotation) {
+            (None, None) => return Ok(None),
+            (Some(way), None) => Period::Translation(way),
+            (None, Some(turn)) => Period::Rotation {
+                centre: turn.centre,
+                axis: turn.axis,
+                angle_deg: turn.angle_deg,
+            },
+            (Some(_), Some(_)) => return Err("either translation or rotation is needed, not both".into()),
+        };
+        period.fault().map_or(Ok(Some(period)), |fault| Err(fault.into()))
+    }
 }
 
 #[derive(Deserialize)]
@@ -70,12 +109,20 @@ struct InterfaceTable {
     #[serde(default)]
     reverse: [bool; 2],
     translation: Option<[f64; 3]>,
+    rotation: Option<RotationTable>,
 }
 
 /// Reads the topology of `grid` (whose blocks are known) from the text of a boundary file.
 /// # Errors
 /// TOML that is not understood (with its line), a block, face, condition or window that does not exist.
 pub fn parse(file: &str, text: &str, grid: &MultiBlock) -> Result<Topology, BoundaryError> {
+    parse_with_periods(file, text, grid).map(|(topology, _)| topology)
+}
+
+/// The same, with the periods by which further interfaces are to be found.
+/// # Errors
+/// As [`parse`]; a period that is none.
+pub fn parse_with_periods(file: &str, text: &str, grid: &MultiBlock) -> Result<(Topology, Vec<Period>), BoundaryError> {
     let fail = |what: String| BoundaryError {
         file: file.to_owned(),
         what,
@@ -124,10 +171,21 @@ pub fn parse(file: &str, text: &str, grid: &MultiBlock) -> Result<Topology, Boun
             a,
             b,
             orientation,
-            translation: table.translation,
+            period: PeriodTable {
+                translation: table.translation,
+                rotation: table.rotation,
+            }
+            .period()
+            .map_err(|e| fail(format!("{place}: {e}")))?,
         });
     }
-    Ok(topology)
+    let mut periods = Vec::new();
+    for (n, table) in tables.periodic.iter().enumerate() {
+        let place = format!("periodic {}", n + 1);
+        let period = table.period().map_err(|e| fail(format!("{place}: {e}")))?;
+        periods.push(period.ok_or_else(|| fail(format!("{place}: a translation or a rotation is needed")))?);
+    }
+    Ok((topology, periods))
 }
 
 fn side(grid: &MultiBlock, block: usize, face: &str, window: Option<[usize; 4]>) -> Result<Side, String> {
@@ -187,8 +245,21 @@ pub fn format(topology: &Topology) -> String {
             reverse[0],
             reverse[1]
         );
-        if let Some([x, y, z]) = interface.translation {
-            let _ = writeln!(out, "translation = [{x:?}, {y:?}, {z:?}]");
+        match interface.period {
+            None => {}
+            Some(Period::Translation(way)) => {
+                let _ = writeln!(out, "translation = {way:?}");
+            }
+            Some(Period::Rotation {
+                centre,
+                axis,
+                angle_deg,
+            }) => {
+                let _ = writeln!(
+                    out,
+                    "rotation = {{ centre = {centre:?}, axis = {axis:?}, angle_deg = {angle_deg:?} }}"
+                );
+            }
         }
     }
     out

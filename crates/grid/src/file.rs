@@ -65,6 +65,7 @@ pub fn open(path: &Path, boundary: Option<&Path>) -> Result<Opened, FileError> {
     let is_cgns = cgns::is_named_so(path);
     let (mut grid, mut notes, single) = if is_cgns { open_cgns(path)? } else { open_plot3d(path)? };
     let tolerance = single.then_some(2e-7);
+    let mut periodic = Vec::new();
     let beside = || {
         [path.with_extension("bc.toml"), path.with_extension("nmf")]
             .into_iter()
@@ -77,24 +78,29 @@ pub fn open(path: &Path, boundary: Option<&Path>) -> Result<Opened, FileError> {
             source,
         })?;
         let name = file.to_string_lossy();
-        grid.topology = if file.extension().is_some_and(|e| e == "nmf") {
-            nmf::parse(&name, &text, &grid)?
+        (grid.topology, periodic) = if file.extension().is_some_and(|e| e == "nmf") {
+            (nmf::parse(&name, &text, &grid)?, Vec::new())
         } else {
-            boundary_file::parse(&name, &text, &grid)?
+            boundary_file::parse_with_periods(&name, &text, &grid)?
         };
         notes.push(format!("conditions from {name}"));
     }
     lay_across(&mut grid, &mut notes);
+    if periodic.is_empty() {
+        close_sides(&mut grid, &mut notes);
+    }
     let [lo, hi] = grid.bounds();
     let diagonal = crate::vector::distance(lo, hi);
     let options = Options {
         tolerance: tolerance.map(|t| t * diagonal),
-        periodic: Vec::new(),
+        periodic,
     };
     let found = connect::find_interfaces(&mut grid, &options);
     if found.interfaces + found.collapsed > 0 || found.free > 0 {
         notes.push(found.to_string());
     }
+    // Where periods are named, the two sides of a grid one cell across may be each other's.
+    close_sides(&mut grid, &mut notes);
     for n in 0..grid.blocks.len() {
         let block = &grid.blocks[n];
         let negative = |cell: usize| {
@@ -156,11 +162,15 @@ fn save_cgns(path: &Path, _: &MultiBlock) -> Result<(), FileError> {
     Err(CgnsError::NotBuilt { path: path.to_owned() }.into())
 }
 
-/// Grids one cell across: the crate's own have k across. Others (CFL3D has i) are renumbered, and sides that no condition
-/// names become symmetry planes.
-fn lay_across(grid: &mut MultiBlock, notes: &mut Vec<String>) {
+/// Axis along which every block is one cell thick, k before i before j.
+fn axis_across(grid: &MultiBlock) -> Option<usize> {
     let across = |axis: usize| grid.blocks.iter().all(|b| b.cells()[axis] == 1 && b.cell_count() > 1);
-    let Some(axis) = [2, 0, 1].into_iter().find(|&axis| across(axis)) else {
+    [2, 0, 1].into_iter().find(|&axis| across(axis))
+}
+
+/// Grids one cell across: the crate's own have k across. Others (CFL3D has i) are renumbered.
+fn lay_across(grid: &mut MultiBlock, notes: &mut Vec<String>) {
+    let Some(axis) = axis_across(grid) else {
         return;
     };
     if axis != 2 {
@@ -171,6 +181,13 @@ fn lay_across(grid: &mut MultiBlock, notes: &mut Vec<String>) {
             "one cell across along {}: renumbered so that k is across",
             ['i', 'j', 'k'][axis]
         ));
+    }
+}
+
+/// Sides of a grid one cell across that nothing names become symmetry planes.
+fn close_sides(grid: &mut MultiBlock, notes: &mut Vec<String>) {
+    if axis_across(grid) != Some(2) {
+        return;
     }
     let mut added = 0;
     for n in 0..grid.blocks.len() {
@@ -236,7 +253,12 @@ pub fn save(path: &Path, grid: &MultiBlock, layout: Layout) -> Result<Vec<String
     }
     if cgns::is_named_so(path) {
         save_cgns(path, grid)?;
-        return Ok(Vec::new());
+        return Ok(cgns::left_out(grid)
+            .map(|n| {
+                format!("{n} periodic interfaces turn about an axis that CGNS cannot name and are not in the file")
+            })
+            .into_iter()
+            .collect());
     }
     plot3d::write(path, &grid.blocks, &[], layout)?;
     let conditions = path.with_extension("bc.toml");

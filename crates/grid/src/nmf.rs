@@ -35,10 +35,26 @@ fn turned(face: Face) -> bool {
     face.axis() == 1
 }
 
-/// The condition for a type name of the file. Names of V2K, CFL3D and FUN3D are known; `None` for others.
+/// The condition for a type name of the file; `None` for others. Known are names of V2K, GridPro and FUN3D, the numbers of
+/// CFL3D (NASA TM-1998-208444, chapter 6) and those of FUN3D (manual, table of boundary conditions). All far fields are one:
+/// extrapolation there (`farfield_extr`) is what the characteristics make of a supersonic exit.
 #[must_use]
 pub fn condition(name: &str) -> Option<Condition> {
     let name = name.to_ascii_lowercase();
+    if let Ok(number) = name.parse::<u32>() {
+        return Some(match number {
+            2004 | 2014 | 2024 | 4000 | 4100 => Condition::WallNoSlip,
+            1005 | 3000 => Condition::WallSlip,
+            1001 | 6661..=6663 => Condition::Symmetry,
+            1000 | 1003 | 5000 | 5005 | 5050 => Condition::FarField,
+            1002 => Condition::OutflowSupersonic,
+            2002 | 5051 | 7012 => Condition::OutflowSubsonic,
+            1008 | 2003 | 7011 => Condition::InflowSubsonic,
+            7100 => Condition::InflowSupersonic,
+            1011..=1013 => Condition::Collapsed,
+            _ => return None,
+        });
+    }
     let starts = |list: &[&str]| list.iter().any(|s| name.starts_with(s));
     Some(if starts(&["viscous", "no_slip", "wall_viscous", "isothermal"]) {
         Condition::WallNoSlip
@@ -48,6 +64,8 @@ pub fn condition(name: &str) -> Option<Condition> {
         Condition::Wall
     } else if starts(&["symmetry", "sym"]) {
         Condition::Symmetry
+    } else if starts(&["farfield_pbck"]) {
+        Condition::OutflowSubsonic
     } else if starts(&["far", "freestream", "riemann"]) {
         Condition::FarField
     } else if starts(&["extrapolate", "outflow_supersonic", "outflow-supersonic"]) {
@@ -77,7 +95,7 @@ pub fn parse(file: &str, text: &str, grid: &MultiBlock) -> Result<Topology, NmfE
     let mut lines = text
         .lines()
         .enumerate()
-        .map(|(n, l)| (n + 1, l.split('#').next().unwrap_or_default().trim()))
+        .map(|(n, l)| (n + 1, l.split(['#', '!']).next().unwrap_or_default().trim()))
         .filter(|(_, l)| !l.is_empty());
     let fail = |line: usize, what: String| NmfError {
         file: file.to_owned(),
@@ -164,6 +182,11 @@ pub fn parse(file: &str, text: &str, grid: &MultiBlock) -> Result<Topology, NmfE
         if name.eq_ignore_ascii_case("unprocessed") {
             continue;
         }
+        if name.to_ascii_lowercase().starts_with("patched") {
+            return Err(fail(
+                "'patched': sides whose nodes do not coincide; only one_to_one is understood".into(),
+            ));
+        }
         let condition = condition(&name).ok_or_else(|| {
             fail(format!("unknown type '{name}': known are one_to_one, wall, viscous..., tangency, symmetry..., farfield..., inflow, outflow, back_pressure, extrapolate, pole..."))
         })?;
@@ -188,12 +211,16 @@ fn is_side_of_a_plane(text: &str) -> bool {
 
 /// Type name (quoted or not) and the rest of a line.
 fn entry(text: &str) -> Option<(String, &str)> {
-    if let Some(rest) = text.strip_prefix('\'') {
-        let (name, rest) = rest.split_once('\'')?;
-        return Some((name.trim().to_owned(), rest));
+    for quote in ['\'', '"'] {
+        if let Some(rest) = text.strip_prefix(quote) {
+            let (name, rest) = rest.split_once(quote)?;
+            return Some((name.trim().to_owned(), rest));
+        }
     }
     let (name, rest) = text.split_once(char::is_whitespace)?;
-    name.parse::<f64>().is_err().then(|| (name.to_owned(), rest))
+    // A number is a type if block, face and both ranges follow it; else the type was forgotten.
+    let is_type = name.parse::<f64>().is_err() || rest.split_whitespace().count() == 6;
+    is_type.then(|| (name.to_owned(), rest))
 }
 
 fn file_side(grid: &MultiBlock, [block, face, s1, e1, s2, e2]: [usize; 6]) -> Result<FileSide, String> {
@@ -254,7 +281,7 @@ fn interface(a: &FileSide, b: &FileSide, swap: bool) -> Interface {
         a: a.side,
         b: b.side,
         orientation,
-        translation: None,
+        period: None,
     }
 }
 
@@ -299,7 +326,7 @@ pub fn format(grid: &MultiBlock) -> (String, usize) {
     }
     let mut left_out = 0;
     for interface in &grid.topology.interfaces {
-        if interface.translation.is_some() {
+        if interface.period.is_some() {
             left_out += 1;
             continue;
         }

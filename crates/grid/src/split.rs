@@ -84,7 +84,7 @@ pub fn split_block(grid: &mut MultiBlock, block: usize, axis: usize, at: usize) 
         a: joint(block, true),
         b: joint(upper, false),
         orientation: Orientation::default(),
-        translation: None,
+        period: None,
     });
     grid.topology.interfaces = interfaces;
 }

@@ -4,6 +4,7 @@ use std::fmt;
 
 use crate::block::Block;
 use crate::face::{Face, Window};
+use crate::period::Period;
 
 /// What holds on a boundary patch. A periodic boundary is an [`Interface`] with a translation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -199,7 +200,7 @@ impl Orientation {
 }
 
 /// Two windows whose cells touch one to one: block to block, a block to itself (a C-grid's wake) or, with a
-/// translation, periodic.
+/// period, after a shift or a turn.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Interface {
     /// One side.
@@ -208,8 +209,8 @@ pub struct Interface {
     pub b: Side,
     /// How `a` lies on `b`.
     pub orientation: Orientation,
-    /// Periodic: `node of b = node of a + translation`. `None` where the nodes coincide.
-    pub translation: Option<[f64; 3]>,
+    /// Periodic: what brings the nodes of `a` to those of `b`. `None` where the nodes coincide.
+    pub period: Option<Period>,
 }
 
 impl Interface {
@@ -220,7 +221,7 @@ impl Interface {
             a: self.b,
             b: self.a,
             orientation: self.orientation.inverse(),
-            translation: self.translation.map(|t| t.map(|v| -v)),
+            period: self.period.map(Period::inverse),
         }
     }
 

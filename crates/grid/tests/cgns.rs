@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use dip_grid::cgns;
 use dip_grid::connect::{Options, find_interfaces};
 use dip_grid::generate::BoxGrid;
-use dip_grid::{Condition, Face, MultiBlock, Window, file, quality, recipe, reorient, split};
+use dip_grid::{Condition, Face, MultiBlock, Period, Window, file, quality, recipe, reorient, split};
 use proptest::prelude::*;
 
 fn wavy(cells: [usize; 3]) -> MultiBlock {
@@ -68,7 +68,7 @@ fn periodic_translations_survive_single_precision() {
     let (from, to) = ([0.1, 0.0, 0.0], [0.1 + 1.0 / 3.0, 1.0, 1.0]);
     let mut grid = BoxGrid::new(from, to, [4, 4, 4]).wavy(0.02).make();
     grid.topology.patches.clear();
-    let periodic = vec![[1.0 / 3.0, 0.0, 0.0]];
+    let periodic = vec![Period::Translation([1.0 / 3.0, 0.0, 0.0])];
     find_interfaces(
         &mut grid,
         &Options {
@@ -80,7 +80,9 @@ fn periodic_translations_survive_single_precision() {
     let read = cgns::parse("test.cgns", cgns::encode(&grid)).unwrap();
     let (old, new) = (grid.topology.interfaces[0], read.grid.topology.interfaces[0]);
     assert_eq!((old.a, old.b, old.orientation), (new.a, new.b, new.orientation));
-    let (old, new) = (old.translation.unwrap(), new.translation.unwrap());
+    let (Some(Period::Translation(old)), Some(Period::Translation(new))) = (old.period, new.period) else {
+        panic!("{old:?} {new:?}");
+    };
     assert!((0..3).all(|d| (old[d] - new[d]).abs() < 1e-15), "{new:?}");
 }
 
@@ -113,7 +115,7 @@ fn a_file_written_node_by_node_reads() {
         block.point_at(block.node_behind(side.face, node[0], node[1], 0))
     };
     for interface in [between, round] {
-        let moved = interface.translation.map_or(0.0, |t| t[1]);
+        let moved = interface.period.map_or(0.0, |by| by.moved([0.0; 3])[1]);
         for q in interface.a.window.lo[1]..=interface.a.window.hi[1] {
             for p in interface.a.window.lo[0]..=interface.a.window.hi[0] {
                 let [x, y, z] = on(interface.a, [p, q]);
@@ -122,7 +124,10 @@ fn a_file_written_node_by_node_reads() {
         }
     }
     // "and back" is read before "round", which says the same.
-    assert_eq!((between.translation, round.translation), (None, Some([0.0, -3.0, 0.0])));
+    assert_eq!(
+        (between.period, round.period),
+        (None, Some(Period::Translation([0.0, -3.0, 0.0])))
+    );
     let patch = |block: usize, face: Face| {
         let found: Vec<_> = read
             .grid

@@ -122,3 +122,128 @@ fn the_neutral_map_of_the_fun3d_manual_reads() {
     let says = |what: &str| report.findings.iter().any(|f| f.text.contains(what));
     assert!(!says("no condition") && !says("overlap"), "{report}");
 }
+
+/// As CFL3D's own cases print grids (nasa/CFL3D, testcase/Axibump/bumpgrd.fmt: commas between sizes and numbers, repeat counts for
+/// the two planes of a wedge, no comma at some line ends, seventeen digits). First x of that file; the wedge of half a degree
+/// to both sides is ours.
+#[test]
+fn text_as_cfl3d_prints_it_reads() {
+    let x = " 2*-3.198855,  2*-2.996273,  2*-2.80402,  2*-2.6215700000000002,  2*-9.66374900000000064E-2,\n";
+    let radius = [1.0, 1.2, 1.5];
+    let mut text = String::from(" 1\n 2,  5,  3\n");
+    text.push_str(&x.repeat(2));
+    // The last line ends without a comma.
+    text.push_str(x.trim_end().trim_end_matches(','));
+    let angle = 0.5f64.to_radians();
+    for value in [-angle.sin(), angle.cos()] {
+        for r in radius {
+            for _ in 0..5 {
+                // The sines differ in sign between the planes, the cosines do not.
+                if value < 0.0 {
+                    text.push_str(&format!("\n {:.17E},  {:.17E},", r * value, -r * value));
+                } else {
+                    text.push_str(&format!("\n 2*{:.17},", r * value));
+                }
+            }
+        }
+    }
+    let read = plot3d::parse("bumpgrd.fmt", text.as_bytes()).unwrap();
+    let block = &read.blocks[0];
+    assert_eq!(block.nodes(), [2, 5, 3]);
+    assert_eq!(block.point(1, 4, 2)[0], -9.663_749_000_000_000_6e-2);
+    assert!(block.point(0, 1, 2)[1] < 0.0 && block.point(1, 1, 2)[1] > 0.0);
+    // With the turn of its CFL3D input (type 2005, one degree about x) its sides are each other's.
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("bumpgrd.fmt");
+    std::fs::write(&path, &text).unwrap();
+    let turn = "[[periodic]]\nrotation = { axis = [1, 0, 0], angle_deg = -1 }\n";
+    std::fs::write(path.with_extension("bc.toml"), turn).unwrap();
+    let opened = file::open(&path, None).unwrap();
+    assert_eq!(opened.grid.topology.interfaces.len(), 1, "{:?}", opened.notes);
+}
+
+/// As CFL3D's flat plate stands there (testcase/Flatplate/grdflat5.fmt: one block without a count, sizes in columns of twelve,
+/// five numbers a line with blanks behind them), and as pyHyp writes (mdolab/pyhyp, examples/sphere: sizes of two blocks a line).
+#[test]
+fn columns_of_fortran_programs_read() {
+    let mut text = String::from("           3           2           2\n");
+    for d in 0..3 {
+        for n in 0..12 {
+            let value = [n % 3, n / 3 % 2, n / 6][d] as f64 * -0.312_499_7;
+            text.push_str(&format!("{value:15.7} "));
+            if n % 5 == 4 {
+                text.push_str("   \n");
+            }
+        }
+    }
+    let read = plot3d::parse("grdflat5.fmt", text.as_bytes()).unwrap();
+    assert!(!read.layout.multi && !read.layout.iblank);
+    assert_eq!(read.blocks[0].nodes(), [3, 2, 2]);
+    assert_eq!(
+        read.blocks[0].point(2, 1, 1),
+        [-0.624_999_4, -0.312_499_7, -0.312_499_7]
+    );
+    let mut text =
+        String::from("            3\n           2           2           2           2           2           2\n");
+    text.push_str("           2           2           2\n");
+    for block in 0..3 {
+        for d in 0..3 {
+            for n in 0..8 {
+                let value = ((n >> d) & 1) as f64 + if d == 0 { block as f64 } else { 0.0 };
+                text.push_str(&format!("{value:26.16E}{}", if n % 3 == 2 { "\n" } else { "" }));
+            }
+        }
+        text.push('\n');
+    }
+    let read = plot3d::parse("blocks.fmt", text.as_bytes()).unwrap();
+    assert_eq!(read.blocks.len(), 3);
+    assert_eq!(read.blocks[2].point(1, 0, 1), [3.0, 0.0, 1.0]);
+    // A surface (pyHyp, examples/2D/naca0012_euler.fmt: 257 x 2 x 1, one number a line) is no grid of cells, and that is said.
+    let surface = format!("1\n3 2 1\n{}", "1\n0.5\n0\n".repeat(6));
+    let error = plot3d::parse("naca0012_euler.fmt", surface.as_bytes())
+        .unwrap_err()
+        .to_string();
+    assert!(error.contains("one node thick"), "{error}");
+}
+
+/// Type names and numbers that are about: case, quotes, comments behind entries, numbers of CFL3D and FUN3D.
+#[test]
+fn types_of_neutral_maps_are_known_by_name_and_by_number() {
+    for (name, condition) in [
+        ("'VISCOUS'", Condition::WallNoSlip),
+        ("\"Viscous_Solid\"", Condition::WallNoSlip),
+        ("'tangency '", Condition::WallSlip),
+        ("symmetry_y_strong", Condition::Symmetry),
+        ("SYM", Condition::Symmetry),
+        ("wall", Condition::Wall),
+        ("'farfield_riem'", Condition::FarField),
+        ("'farfield_extr'", Condition::FarField),
+        ("'farfield_pbck'", Condition::OutflowSubsonic),
+        ("'back_pressure'", Condition::OutflowSubsonic),
+        ("'subsonic_inflow_pt'", Condition::InflowSubsonic),
+        ("'subsonic_outflow_p0'", Condition::OutflowSubsonic),
+        ("2004", Condition::WallNoSlip),
+        ("'1005'", Condition::WallSlip),
+        ("1003", Condition::FarField),
+        ("4000", Condition::WallNoSlip),
+        ("6662", Condition::Symmetry),
+    ] {
+        let grid = box_grid([0.0; 3], [1.0; 3], [3, 2, 1]);
+        let text = format!("1\n1 4 3 2\n{name}  1 5  1 2  1 4  ! as they come\n");
+        let read = nmf::parse("x.nmf", &text, &grid).unwrap_or_else(|e| panic!("{name}: {e}"));
+        assert_eq!(
+            (read.patches[0].face, read.patches[0].condition),
+            (Face::JMin, condition),
+            "{name}"
+        );
+    }
+    let grid = box_grid([0.0; 3], [1.0; 3], [3, 2, 1]);
+    let error = |line: &str| {
+        nmf::parse("x.nmf", &format!("1\n1 4 3 2\n{line}\n"), &grid)
+            .unwrap_err()
+            .to_string()
+    };
+    assert!(error("2005 1 5 1 2 1 4").contains("x.nmf:3: unknown type '2005'"));
+    assert!(error("1 5 1 2 1 4").contains("a type name is needed"));
+    assert!(error("'patched' 1 5 1 2 1 4").contains("only one_to_one"));
+}

@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use dip_grid::coarsen::coarsen;
 use dip_grid::quality::{self, names};
 use dip_grid::recipe::{self, Kind};
 use proptest::prelude::*;
@@ -62,10 +63,33 @@ fn agard_grids_have_sizes_close_to_the_thesis() {
     }
 }
 
+/// The shipped families: each level is every second point of the next finer one, to the last bit. (Their finest levels too,
+/// which take longer: examples/validate_grids.)
+#[test]
+fn shipped_levels_are_every_second_point_of_the_finer_to_the_last_bit() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../meshes");
+    let one_block = |name: &str| {
+        let mut recipe = recipe::read(&folder.join(format!("agard445_{name}.toml"))).unwrap();
+        recipe.blocks = None;
+        recipe.make().unwrap()
+    };
+    for family in ["oo", "ch"] {
+        let mut finer = one_block(&format!("{family}_medium"));
+        for level in ["coarse", "coarsest"] {
+            let coarse = one_block(&format!("{family}_{level}"));
+            let mut kept = coarsen(&finer).unwrap();
+            kept.blocks[0].name.clone_from(&coarse.blocks[0].name);
+            assert!(kept == coarse, "{family} {level}");
+            finer = coarse;
+        }
+    }
+}
+
 /// Small recipes of every kind; `@` stands for the folder of the shipped ones.
-const SMALL: [&str; 7] = [
+const SMALL: [&str; 8] = [
     "kind = \"aerofoil-c\"\n[section]\nnaca = \"2412\"\ntrailing_edge = \"blunt\"\n[cells]\nsurface = 12\nwake = 6\nnormal = 8\nbase = 2\n[spacing]\nwall = 0.01\nnose = 0.02\ntail = 0.03\nwake_growth = 1\ngrowth_limit = 9\n[extent]\nfar_field = 10\n",
     "kind = \"aerofoil-o\"\n[section]\nnaca = \"0012\"\nchord = 2\ntrailing_edge = \"sharp\"\n[cells]\nsurface = 12\nnormal = 8\n[spacing]\nwall = 0.01\nnose = 0.02\ntail = 0.03\ngrowth_limit = 9\n[extent]\nfar_field = 10\n",
+    "kind = \"aerofoil-c\"\n[section]\nnaca = \"2412\"\n[cells]\nsurface = 12\nwake = 6\nnormal = 8\n[spacing]\nwall = 0.01\nnose = 0.02\ntail = 0.03\ngrowth_limit = 9\n[extent]\nfar_field = 10\n[smoothing]\nstart = \"transfinite\"\nsweeps = 7\n",
     "kind = \"wing-ch\"\ncoarsen = 1\nblocks = 3\n[wing]\nfile = \"@/geometry/oneram6.toml\"\ntip_length = 0.02\n[cells]\nsurface = 8\nwake = 4\nnormal = 8\nspan = 6\noutboard = 4\n[spacing]\nwall = 0.002\nnose = 0.02\ntail = 0.03\nroot = 0.2\ntip = 0.01\ngrowth_limit = 9\n[extent]\nfar_field = 8\nexit = 10\n",
     "kind = \"wing-oo\"\n[wing]\nfile = \"@/geometry/oneram6.toml\"\nnose_radius = 0.01\n[cells]\nsurface = 8\nnormal = 8\nspan = 6\n[spacing]\nwall = 0.002\nnose = 0.02\ntail = 0.03\nroot = 0.2\ntip = 0.01\ngrowth_limit = 9\n[extent]\nfar_field = 8\n",
     "kind = \"bump\"\n[shape]\nlength = 1.5\nheight = 0.05\n[cells]\nupstream = 4\nsurface = 8\ndownstream = 4\nnormal = 6\n[spacing]\ny_plus = { value = 1, reynolds = 3e6, length = 1 }\nedge = 0.02\ngrowth_limit = 9\n[extent]\nupstream = 2\ndownstream = 2\nfar_field = 5\n",

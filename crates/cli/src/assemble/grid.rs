@@ -3,11 +3,12 @@
 use crate::exit::Stop;
 use dip_case::Document;
 use dip_case::file::MeshTable;
+use dip_grid::Period;
 use dip_grid::cgns::CgnsError;
 use dip_grid::file::{self, FileError};
 use dip_grid::recipe::RecipeError;
 use dip_grid::split;
-use dip_grid::topology::{MultiBlock, Side};
+use dip_grid::topology::{Interface, MultiBlock, Side};
 use sha2::{Digest, Sha256};
 use std::path::Path;
 
@@ -75,6 +76,12 @@ pub fn from_case(document: &Document, table: &MeshTable) -> Result<Loaded, Stop>
         exists("mesh.boundary_conditions", p)?;
     }
     let mut grid = open(&path, conditions.as_deref())?;
+    let turned = |i: &Interface| matches!(i.period, Some(Period::Rotation { .. }));
+    if grid.topology.interfaces.iter().any(turned) {
+        let message = "the grid is periodic by rotation, and the flow solver knows shifts only";
+        let help = "take a grid of the whole body, or symmetry planes on the two sides of the wedge";
+        return Err(document.error(key, message, help).into());
+    }
     if let Some(unit) = table.length_unit {
         if unit.0 <= 0.0 {
             let message = format!("{} m: needed a positive length", unit.0);
@@ -111,7 +118,7 @@ fn scale(grid: &mut MultiBlock, unit_m: f64) {
         }
     }
     for interface in &mut grid.topology.interfaces {
-        interface.translation = interface.translation.map(|t| t.map(|v| v * unit_m));
+        interface.period = interface.period.map(|p| p.scaled(unit_m));
     }
 }
 
@@ -168,7 +175,7 @@ fn hash(grid: &MultiBlock) -> String {
             side(&i.a),
             side(&i.b),
             i.orientation,
-            i.translation
+            i.period
         ));
     }
     for p in &grid.topology.patches {

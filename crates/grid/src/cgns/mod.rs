@@ -8,9 +8,13 @@
 //! Zones are read in the order of their names (numbers in names count as numbers), as the CGNS library does.
 
 #[cfg(feature = "cgns")]
+mod conditions;
+#[cfg(feature = "cgns")]
 mod hdf5_write;
 #[cfg(feature = "cgns")]
 mod node;
+#[cfg(feature = "cgns")]
+mod periodic;
 #[cfg(feature = "cgns")]
 mod read;
 #[cfg(feature = "cgns")]
@@ -24,6 +28,9 @@ pub use read::{Read, parse, read};
 pub use write::{encode, write};
 
 use std::path::PathBuf;
+
+use crate::period::Period;
+use crate::topology::MultiBlock;
 
 /// What is wrong with a CGNS file.
 #[derive(Debug, thiserror::Error)]
@@ -63,4 +70,19 @@ pub fn is_named_so(path: &std::path::Path) -> bool {
             .iter()
             .any(|known| e.eq_ignore_ascii_case(known))
     })
+}
+
+/// The axis of coordinates along which `axis` points, if it is one: CGNS knows turns about these.
+fn coordinate_axis(axis: [f64; 3]) -> Option<usize> {
+    (0..3).find(|&d| axis[d] != 0.0 && (0..3).all(|e| e == d || axis[e] == 0.0))
+}
+
+/// How many interfaces a CGNS file cannot hold: those periodic about an axis that is none of the coordinates'.
+pub(crate) fn left_out(grid: &MultiBlock) -> Option<usize> {
+    let askew = |period: Option<Period>| match period {
+        Some(Period::Rotation { axis, .. }) => coordinate_axis(axis).is_none(),
+        _ => false,
+    };
+    let count = grid.topology.interfaces.iter().filter(|i| askew(i.period)).count();
+    (count > 0).then_some(count)
 }

@@ -3,12 +3,12 @@
 use std::path::Path;
 
 use super::CgnsError;
+use super::conditions::patches;
 use super::node::{self, Data, Node, Precision};
+use super::periodic;
 use super::terms::{self, Range};
 use crate::block::Block;
-use crate::nmf;
-use crate::topology::{Interface, MultiBlock, Patch, Side};
-use crate::vector::{norm, sub};
+use crate::topology::{Interface, MultiBlock};
 
 /// A CGNS file's grid.
 #[derive(Clone, Debug, PartialEq)]
@@ -50,9 +50,9 @@ fn tree(file: &str, bytes: Vec<u8>, folder: Option<&Path>) -> Result<Read, CgnsE
 }
 
 /// A structured zone and what its block is called.
-struct Zone<'a> {
-    node: &'a Node,
-    dimensions: usize,
+pub(super) struct Zone<'a> {
+    pub(super) node: &'a Node,
+    pub(super) dimensions: usize,
 }
 
 fn grid(root: &Node) -> Result<Read, String> {
@@ -242,7 +242,7 @@ fn without_rind(of: &Node, nodes: &[usize], shape: &[usize], values: &[f64]) -> 
 }
 
 /// A range of a node, with the direction across added in two dimensions.
-fn range(node: &Node, dimensions: usize) -> Result<Range, String> {
+pub(super) fn range(node: &Node, dimensions: usize) -> Result<Range, String> {
     let values = node.integers().unwrap_or_default();
     if values.len() != 2 * dimensions {
         return Err(format!(
@@ -343,132 +343,14 @@ fn interface(
         a,
         b,
         orientation,
-        translation: translation(node, dimensions)?,
+        period: periodic::read(node, dimensions)?,
     };
-    if let Some(t) = &mut interface.translation {
-        // The file has it in single precision: where the nodes agree with it, they know it better.
+    if let Some(period) = interface.period {
         let [p, q] = a.window.lo;
         let from = grid.blocks[n].point_at(grid.blocks[n].node_behind(a.face, p, q, 0));
-        let [p, q] = interface.orientation.map([0, 0], b.window.size().map(|s| s + 1));
-        let [p, q] = [p + b.window.lo[0], q + b.window.lo[1]];
+        let [p, q] = interface.node_on_b(p, q);
         let to = grid.blocks[m].point_at(grid.blocks[m].node_behind(b.face, p, q, 0));
-        let apart = sub(to, from);
-        if norm(sub(apart, *t)) <= 1e-6 * norm(*t) {
-            *t = apart;
-        }
+        interface.period = Some(periodic::sharpened(period, from, to));
     }
     Ok(Some(interface))
-}
-
-/// How far a periodic interface goes; `None` if it is none.
-fn translation(node: &Node, dimensions: usize) -> Result<Option<[f64; 3]>, String> {
-    let Some(periodic) = node
-        .labelled("GridConnectivityProperty_t")
-        .find_map(|p| p.labelled("Periodic_t").next())
-    else {
-        return Ok(None);
-    };
-    let vector = |name: &str| periodic.child(name).and_then(Node::reals).unwrap_or_default();
-    if vector("RotationAngle").iter().any(|&v| v != 0.0) {
-        return Err("it is periodic by rotation; only translation is understood".into());
-    }
-    let t = vector("Translation");
-    if t.iter().any(|v| !v.is_finite()) {
-        return Err(format!("Translation is {t:?}"));
-    }
-    let at = |d: usize| t.get(d).copied().unwrap_or(0.0);
-    // Two-dimensional grids stand in the plane (x, z).
-    let moved = if dimensions == 2 {
-        [at(0), 0.0, at(1)]
-    } else {
-        [at(0), at(1), at(2)]
-    };
-    Ok((moved != [0.0; 3]).then_some(moved))
-}
-
-fn patches(grid: &mut MultiBlock, base: &Node, zone: &Zone, n: usize, notes: &mut Vec<String>) -> Result<(), String> {
-    for bc in zone.node.labelled("ZoneBC_t").flat_map(|z| z.labelled("BC_t")) {
-        let family = bc.labelled("FamilyName_t").next().and_then(Node::text);
-        let name = family.unwrap_or(&bc.name).to_owned();
-        let Some(side) = bc_side(grid, zone, n, bc).map_err(|e| format!("{}: {e}", bc.name))? else {
-            notes.push(format!(
-                "zone {}: {} was passed over: a PointRange on a face is needed",
-                zone.node.name, bc.name
-            ));
-            continue;
-        };
-        let own = bc.text().unwrap_or_default();
-        let of_family = || {
-            let family = family?.rsplit('/').next()?;
-            let family = base.labelled("Family_t").find(|f| f.name == family)?;
-            terms::condition(family.labelled("FamilyBC_t").next()?.text()?)
-        };
-        let condition = match terms::condition(own).or_else(of_family) {
-            Some(condition) => condition,
-            // Conditions without a type on interfaces are how some programs name those.
-            None if joined(grid, side) => continue,
-            None => match nmf::condition(&name) {
-                Some(guess) => {
-                    notes.push(format!(
-                        "zone {}: {} has the type {own}; from its name it is taken as {guess}",
-                        zone.node.name, bc.name
-                    ));
-                    guess
-                }
-                None => {
-                    notes.push(format!(
-                        "zone {}: {} has the type {own}, which says no condition; it was passed over",
-                        zone.node.name, bc.name
-                    ));
-                    continue;
-                }
-            },
-        };
-        grid.topology.patches.push(Patch {
-            name,
-            block: side.block,
-            face: side.face,
-            window: side.window,
-            condition,
-        });
-    }
-    Ok(())
-}
-
-fn joined(grid: &MultiBlock, side: Side) -> bool {
-    let on = |s: Side| s.block == side.block && s.face == side.face && s.window.intersection(&side.window).is_some();
-    grid.topology.interfaces.iter().any(|i| on(i.a) || on(i.b))
-}
-
-fn bc_side(grid: &MultiBlock, zone: &Zone, n: usize, bc: &Node) -> Result<Option<Side>, String> {
-    let cells = grid.blocks[n].cells();
-    let Some(node) = bc.child("PointRange").or_else(|| bc.child("ElementRange")) else {
-        return Ok(None);
-    };
-    let mut range = range(node, zone.dimensions)?;
-    let place = bc
-        .labelled("GridLocation_t")
-        .next()
-        .and_then(Node::text)
-        .unwrap_or("Vertex");
-    if place != "Vertex" || node.name == "ElementRange" {
-        // Faces, counted in their plane as cells: the last node is one further.
-        let across = match place {
-            "IFaceCenter" => Some(0),
-            "JFaceCenter" => Some(1),
-            "KFaceCenter" => Some(2),
-            _ => (0..zone.dimensions)
-                .find(|&d| range[0][d] == range[1][d] && [1, cells[d] as i64 + 1].contains(&range[0][d])),
-        };
-        let Some(across) = across.filter(|_| place.ends_with("Center") || node.name == "ElementRange") else {
-            return Ok(None);
-        };
-        for d in (0..zone.dimensions).filter(|&d| d != across) {
-            if range[0][d] > range[1][d] {
-                (range[0][d], range[1][d]) = (range[1][d], range[0][d]);
-            }
-            range[1][d] = range[1][d].saturating_add(1);
-        }
-    }
-    terms::side(n, cells, range).map(Some)
 }

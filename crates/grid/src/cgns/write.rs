@@ -6,6 +6,7 @@ use std::path::Path;
 use super::CgnsError;
 use super::hdf5_write;
 use super::node::{Data, Node, Precision, natural};
+use super::periodic;
 use super::terms;
 use crate::topology::{Interface, MultiBlock, Patch};
 
@@ -125,7 +126,7 @@ fn connectivity(grid: &MultiBlock, n: usize, names: &[String]) -> Node {
             a,
             b,
             orientation,
-            translation,
+            period,
         } = interface;
         let cells = |s: usize| grid.blocks[s].cells();
         let donor = Data::Text(names[b.block].clone());
@@ -137,17 +138,12 @@ fn connectivity(grid: &MultiBlock, n: usize, names: &[String]) -> Node {
                 "PointRangeDonor",
                 terms::range(&b, cells(b.block), orientation.reverse),
             ));
-        if let Some(t) = translation {
-            let vector = |name: &str, v: [f64; 3]| {
-                // The CGNS library takes these in single precision only.
-                Node::new(name, "DataArray_t", Data::Reals(vec![3], v.to_vec(), Precision::Single))
+        if let Some(period) = period {
+            let Some(property) = periodic::write(period) else {
+                // Without it, the file would say that the sides touch.
+                continue;
             };
-            let periodic = Node::new("Periodic", "Periodic_t", Data::None)
-                .with(vector("RotationCenter", [0.0; 3]))
-                .with(vector("RotationAngle", [0.0; 3]))
-                .with(vector("Translation", t));
-            let property = Node::new("GridConnectivityProperty", "GridConnectivityProperty_t", Data::None);
-            node.children.push(property.with(periodic));
+            node.children.push(property);
         }
         out.children.push(node);
     }

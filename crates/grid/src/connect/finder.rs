@@ -5,14 +5,14 @@ use std::collections::HashMap;
 use super::Cell;
 use super::points::{Points, shortest_edge};
 use crate::face::{Face, Window};
+use crate::period::Period;
 use crate::topology::{Condition, Interface, MultiBlock, Orientation, Patch, Side};
-use crate::vector::add;
 
 pub(super) struct Finder {
     /// Cells with an interface or a patch, `[block][face][p + np q]`.
     used: Vec<[Vec<bool>; 6]>,
     /// Point numbers of the face nodes, equal for equal points: `[block][face][p + (np+1) q]`, and the same for the
-    /// nodes moved by the translation.
+    /// nodes moved by the period.
     here: Vec<[Vec<u32>; 6]>,
     moved: Vec<[Vec<u32>; 6]>,
 }
@@ -44,10 +44,10 @@ impl Finder {
         finder
     }
 
-    /// Numbers the points of all faces; with a translation, the moved points get the numbers of those they fall on.
-    pub(super) fn number(&mut self, grid: &MultiBlock, tolerance: f64, translation: Option<[f64; 3]>) {
+    /// Numbers the points of all faces; with a period, the moved points get the numbers of those they fall on.
+    pub(super) fn number(&mut self, grid: &MultiBlock, tolerance: f64, period: Option<Period>) {
         let mut points = Points::new(tolerance);
-        let mut table = |shift: [f64; 3]| -> Vec<[Vec<u32>; 6]> {
+        let mut table = |period: Option<Period>| -> Vec<[Vec<u32>; 6]> {
             grid.blocks
                 .iter()
                 .map(|block| {
@@ -57,7 +57,8 @@ impl Finder {
                         for q in 0..=nq {
                             for p in 0..=np {
                                 let at = block.point_at(block.node_behind(face, p, q, 0));
-                                numbers.push(points.number(add(at, shift), 0.1 * shortest_edge(block, face, p, q)));
+                                let there = period.map_or(at, |by| by.moved(at));
+                                numbers.push(points.number(there, 0.1 * shortest_edge(block, face, p, q)));
                             }
                         }
                         numbers
@@ -65,9 +66,9 @@ impl Finder {
                 })
                 .collect()
         };
-        self.here = table([0.0; 3]);
-        self.moved = match translation {
-            Some(shift) => table(shift),
+        self.here = table(None);
+        self.moved = match period {
+            Some(_) => table(period),
             None => self.here.clone(),
         };
     }
@@ -175,7 +176,7 @@ impl Finder {
     }
 
     /// Pairs free face cells with equal corners and joins the pairs to windows.
-    pub(super) fn match_cells(&mut self, grid: &MultiBlock, translation: Option<[f64; 3]>) -> (Vec<Interface>, usize) {
+    pub(super) fn match_cells(&mut self, grid: &MultiBlock, period: Option<Period>) -> (Vec<Interface>, usize) {
         let mut by_corners: HashMap<[u32; 4], Vec<Cell>> = HashMap::new();
         for cell in self.all_cells(grid).filter(|&c| !self.is_used(grid, c)) {
             let corners = self.corners(grid, cell, false);
@@ -211,7 +212,7 @@ impl Finder {
             if self.is_used(grid, other) {
                 continue;
             }
-            if let Some(interface) = self.grow(grid, &partner, cell, other, translation) {
+            if let Some(interface) = self.grow(grid, &partner, cell, other, period) {
                 out.push(interface);
             }
         }
@@ -225,7 +226,7 @@ impl Finder {
         partner: &HashMap<Cell, Cell>,
         a: Cell,
         b: Cell,
-        translation: Option<[f64; 3]>,
+        period: Option<Period>,
     ) -> Option<Interface> {
         let mut best: Option<(usize, Orientation, [usize; 2])> = None;
         for orientation in Orientation::ALL {
@@ -279,7 +280,7 @@ impl Finder {
                 window: window_b,
             },
             orientation,
-            translation,
+            period,
         })
     }
 

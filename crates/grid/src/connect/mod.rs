@@ -7,6 +7,7 @@ use std::fmt;
 
 use self::finder::Finder;
 use crate::face::Face;
+use crate::period::Period;
 use crate::topology::{Condition, MultiBlock, Patch};
 use crate::vector::distance;
 
@@ -16,8 +17,8 @@ pub struct Options {
     /// Two points nearer than this are one. `None`: 1e-9 of the grid's diagonal (2e-7 suits single precision files). It is
     /// never more than a tenth of the shortest edge at the point, so that the fine steps at a wall stay apart.
     pub tolerance: Option<f64>,
-    /// Translations by which faces may match periodically.
-    pub periodic: Vec<[f64; 3]>,
+    /// Shifts and turns by which faces may match periodically.
+    pub periodic: Vec<Period>,
 }
 
 /// What was found.
@@ -80,9 +81,9 @@ pub fn find_interfaces(grid: &mut MultiBlock, options: &Options) -> Found {
     let (interfaces, ambiguous) = finder.match_cells(grid, None);
     found.ambiguous = ambiguous;
     let mut all = interfaces;
-    for &translation in &options.periodic {
-        finder.number(grid, tolerance, Some(translation));
-        let (interfaces, _) = finder.match_cells(grid, Some(translation));
+    for &period in &options.periodic {
+        finder.number(grid, tolerance, Some(period));
+        let (interfaces, _) = finder.match_cells(grid, Some(period));
         found.periodic += interfaces.len();
         all.extend(interfaces);
     }

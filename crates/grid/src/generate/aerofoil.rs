@@ -4,7 +4,7 @@ use super::chord::{self, Kind, StationMaps};
 use super::line::spread;
 use super::plane_c::PlaneC;
 use super::spacing::geometric;
-use super::{GenerateError, check_count, check_growth, check_positive, check_step};
+use super::{GenerateError, Smoothing, check_count, check_growth, check_positive, check_step};
 use crate::block::Block;
 use crate::face::{Face, Window};
 use crate::geometry::{Section, Station, TrailingEdge};
@@ -56,6 +56,13 @@ impl AerofoilGrid {
     /// # Errors
     /// A size that is too small, a growth over the limit, a section that cannot be mapped.
     pub fn make(&self) -> Result<MultiBlock, GenerateError> {
+        self.make_smoothed(None)
+    }
+
+    /// The same, smoothed.
+    /// # Errors
+    /// As [`Self::make`]; a smoothing that leaves folded cells.
+    pub fn make_smoothed(&self, smoothing: Option<Smoothing>) -> Result<MultiBlock, GenerateError> {
         self.check()?;
         let open = self.section.edge();
         let blunt = open[1] > 1e-9;
@@ -105,6 +112,9 @@ impl AerofoilGrid {
                 cells: self.normal,
                 needed: cells_for(self.wall_spacing, self.far_field, self.growth_limit),
             });
+        }
+        if let Some(smoothing) = smoothing {
+            smoothing.apply(&mut nodes, ni, self.normal)?;
         }
         if blunt {
             // Open the closed section again: each surface is turned about the nose by its share of the gap. Away from
@@ -216,7 +226,7 @@ impl AerofoilGrid {
                 swap: false,
                 reverse: [reverse, false],
             },
-            translation: None,
+            period: None,
         };
         let patch = |name: &str, side: Side, condition: Condition| Patch {
             name: name.into(),

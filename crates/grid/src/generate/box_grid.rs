@@ -4,6 +4,7 @@ use std::f64::consts::PI;
 
 use crate::block::Block;
 use crate::face::{Face, Window};
+use crate::period::Period;
 use crate::topology::{Condition, Interface, MultiBlock, Orientation, Patch, Side, Topology};
 
 /// A box of one block with i along x, j along y, k along z.
@@ -98,7 +99,7 @@ impl BoxGrid {
                     a: side(faces[0]),
                     b: side(faces[1]),
                     orientation: Orientation::default(),
-                    translation: Some(translation),
+                    period: Some(Period::Translation(translation)),
                 });
                 continue;
             }

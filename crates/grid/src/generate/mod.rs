@@ -2,17 +2,21 @@
 //!
 //! Aerofoils and wings stand in analytic coordinates that wrap round them (see the `conformal` module's own notes):
 //! sections are mapped conformally, so that lines leave the wall at a right angle; nodes are then spread along each line
-//! by its true arc length, so that wall spacing is exact at any fineness.
+//! by its true arc length, so that wall spacing is exact at any fineness. If asked, planes are smoothed by elliptic
+//! equations instead, from the map or from transfinite interpolation.
 
 mod aerofoil;
 mod box_grid;
 mod channel;
 mod chord;
 mod conformal;
+mod elliptic;
 mod fourier;
 mod line;
 mod plane_c;
+mod smoothing;
 pub mod spacing;
+mod transfinite;
 mod wing_ch;
 mod wing_oo;
 
@@ -20,6 +24,7 @@ pub use aerofoil::{AerofoilGrid, AerofoilKind};
 pub use box_grid::{BoxGrid, box_grid};
 pub use channel::{ChannelGrid, ChannelShape};
 pub use conformal::MapError;
+pub use smoothing::{Smoothing, Start};
 pub use wing_ch::WingCh;
 pub use wing_oo::WingOo;
 
@@ -58,6 +63,19 @@ pub enum GenerateError {
         cells: usize,
         /// Cells that would do.
         needed: usize,
+    },
+    /// Smoothing left folded cells.
+    #[error(
+        "{folded} cells of a plane are folded after {sweeps} sweeps of smoothing, the last of which moved a node by {change:.1e} \
+         of its step: take more sweeps, or smoothing.start = \"map\""
+    )]
+    Folded {
+        /// Cells without positive area.
+        folded: usize,
+        /// Sweeps that were done.
+        sweeps: usize,
+        /// Largest move of the last sweep, over the step along the wall.
+        change: f64,
     },
 }
 

@@ -6,7 +6,7 @@ use super::aerofoil::cells_for;
 use super::chord::{self, Kind, WingMaps};
 use super::plane_c::{Plane, PlaneC};
 use super::spacing::{geometric, two_sided};
-use super::{GenerateError, check_count, check_growth, check_positive, check_step};
+use super::{GenerateError, Smoothing, check_count, check_growth, check_positive, check_step};
 use crate::block::Block;
 use crate::face::{Face, Window};
 use crate::geometry::Wing;
@@ -56,6 +56,16 @@ impl WingCh {
     /// # Errors
     /// A size that is too small, a growth over the limit, a wing or section that is wrong.
     pub fn make(&self) -> Result<MultiBlock, GenerateError> {
+        self.make_smoothed(None)
+    }
+
+    /// The same with every plane smoothed, for which `stride` must be 1.
+    /// # Errors
+    /// As [`Self::make`]; a smoothing that leaves folded cells.
+    pub fn make_smoothed(&self, smoothing: Option<Smoothing>) -> Result<MultiBlock, GenerateError> {
+        if smoothing.is_some() && self.stride != 1 {
+            return Err(GenerateError::setting("stride", "1 with smoothing", self.stride));
+        }
         self.check()?;
         let wing = &self.wing;
         let side = chord::side(
@@ -67,7 +77,9 @@ impl WingCh {
         let t = chord::around(&side);
         let maps = WingMaps::new(Kind::C, wing, &t)?;
         let y: Vec<f64> = self.span_stations().into_iter().step_by(self.stride).collect();
-        let planes: Vec<(Plane, [f64; 3])> = y.par_iter().map(|&y| self.plane(&maps, &t, y)).collect();
+        let planes: Result<Vec<(Plane, [f64; 3])>, GenerateError> =
+            y.par_iter().map(|&y| self.plane(&maps, &t, y, smoothing)).collect();
+        let planes = planes?;
         let growth = planes
             .iter()
             .fold(1.0, |worst: f64, (plane, _)| worst.max(plane.growth));
@@ -160,7 +172,13 @@ impl WingCh {
         y
     }
 
-    fn plane(&self, maps: &WingMaps, t: &[f64], y: f64) -> (Plane, [f64; 3]) {
+    fn plane(
+        &self,
+        maps: &WingMaps,
+        t: &[f64],
+        y: f64,
+        smoothing: Option<Smoothing>,
+    ) -> Result<(Plane, [f64; 3]), GenerateError> {
         let wing = &self.wing;
         let place @ [x_le, z_le, chord] = wing.planform(y);
         let local = |p: [f64; 3]| [(p[0] - x_le) / chord, (p[2] - z_le) / chord];
@@ -181,7 +199,11 @@ impl WingCh {
             wake_growth: self.wake_growth,
             stride: self.stride,
         };
-        (plane.make(), place)
+        let mut plane = plane.make();
+        if let Some(smoothing) = smoothing {
+            smoothing.apply(&mut plane.nodes, 2 * (self.surface + self.wake), self.normal)?;
+        }
+        Ok((plane, place))
     }
 }
 
@@ -200,7 +222,7 @@ fn topology(cells: [usize; 3], tail: usize, span: usize) -> Topology {
             swap: false,
             reverse: [true, false],
         },
-        translation: None,
+        period: None,
     };
     let patch = |name: &str, side: Side, condition: Condition| Patch {
         name: name.into(),

@@ -251,7 +251,7 @@ fn topology(cells: [usize; 3]) -> Topology {
             swap: false,
             reverse: [reverse, false],
         },
-        translation: None,
+        period: None,
     };
     Topology {
         interfaces: vec![

@@ -3,6 +3,7 @@
 mod naca;
 mod ordinates;
 mod section;
+mod spline;
 mod wing;
 
 pub use ordinates::read_ordinates;

@@ -17,6 +17,15 @@ pub(super) struct Tally {
 }
 
 impl Tally {
+    pub(super) fn new(name: &'static str, sense: f64) -> Self {
+        Self {
+            name,
+            sense,
+            worst: Vec::new(),
+            sum: 0.0,
+        }
+    }
+
     pub(super) fn all() -> Vec<Self> {
         [
             (names::VOLUME, -1.0),
@@ -26,12 +35,7 @@ impl Tally {
             (names::CLOSURE, 1.0),
         ]
         .into_iter()
-        .map(|(name, sense)| Self {
-            name,
-            sense,
-            worst: Vec::new(),
-            sum: 0.0,
-        })
+        .map(|(name, sense)| Self::new(name, sense))
         .collect()
     }
 
@@ -43,7 +47,7 @@ impl Tally {
         }
     }
 
-    fn add(&mut self, value: f64, place: impl FnOnce() -> CellPlace) {
+    pub(super) fn add(&mut self, value: f64, place: impl FnOnce() -> CellPlace) {
         self.sum += value;
         let full = self.worst.len() == KEPT;
         if full && self.badness(value) <= self.badness(self.worst[KEPT - 1].value) {
@@ -269,30 +273,4 @@ pub(super) fn volume_findings(grid: &MultiBlock, figures: &[Figure], findings: &
             findings.push(Finding { fatal: false, text });
         }
     }
-}
-/// Height of wall cells: volume over wall area.
-pub(super) fn wall_spacing(grid: &MultiBlock) -> Option<[f64; 3]> {
-    let (mut least, mut sum, mut most, mut count) = (f64::INFINITY, 0.0, 0.0f64, 0usize);
-    for patch in grid.topology.patches.iter().filter(|p| p.condition.is_wall()) {
-        let block = grid.blocks.get(patch.block)?;
-        let limit = block.face_cells(patch.face);
-        for q in patch.window.lo[1]..patch.window.hi[1].min(limit[1]) {
-            for p in patch.window.lo[0]..patch.window.hi[0].min(limit[0]) {
-                let node = |dp: usize, dq: usize| block.point_at(block.node_behind(patch.face, p + dp, q + dq, 0));
-                let area = norm(crate::metrics::face_area(
-                    node(0, 0),
-                    node(1, 0),
-                    node(1, 1),
-                    node(0, 1),
-                ));
-                let [i, j, k] = block.cell_behind(patch.face, p, q, 0);
-                let height = hexahedron_volume(&block.corners(i, j, k)).abs() / area.max(f64::MIN_POSITIVE);
-                least = least.min(height);
-                most = most.max(height);
-                sum += height;
-                count += 1;
-            }
-        }
-    }
-    (count > 0).then(|| [least, sum / count as f64, most])
 }

@@ -3,7 +3,7 @@
 use super::Finding;
 use crate::face::Face;
 use crate::topology::{MultiBlock, Side};
-use crate::vector::{distance, sub};
+use crate::vector::distance;
 
 /// Distance between nodes an interface says are one, relative to the cells there.
 pub(super) fn interface_findings(grid: &MultiBlock, findings: &mut Vec<Finding>) {
@@ -35,15 +35,14 @@ pub(super) fn interface_findings(grid: &MultiBlock, findings: &mut Vec<Finding>)
             continue;
         }
         let (a, b) = (&grid.blocks[interface.a.block], &grid.blocks[interface.b.block]);
-        let shift = interface.translation.unwrap_or_default();
         let mut worst = (0.0, [0.0; 3]);
         let w = interface.a.window;
         for q in w.lo[1]..=w.hi[1] {
             for p in w.lo[0]..=w.hi[0] {
                 let pa = a.point_at(a.node_behind(interface.a.face, p, q, 0));
                 let [r, s] = interface.node_on_b(p, q);
-                let pb = sub(b.point_at(b.node_behind(interface.b.face, r, s, 0)), shift);
-                let gap = distance(pa, pb);
+                let pb = b.point_at(b.node_behind(interface.b.face, r, s, 0));
+                let gap = distance(interface.period.map_or(pa, |period| period.moved(pa)), pb);
                 if gap > worst.0 || gap.is_nan() {
                     worst = (gap, pa);
                 }

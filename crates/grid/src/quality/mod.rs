@@ -2,14 +2,16 @@
 
 mod cells;
 mod fit;
+mod wall;
 
 use std::fmt;
 
 use rayon::prelude::*;
 
 use crate::topology::MultiBlock;
-use cells::{Tally, tally, volume_findings, wall_spacing};
+use cells::{Tally, tally, volume_findings};
 use fit::{cover_findings, interface_findings};
+use wall::walls;
 
 /// A cell that a message names.
 #[derive(Clone, Debug, PartialEq)]
@@ -89,6 +91,8 @@ pub mod names {
     pub const STRETCHING: &str = "stretching";
     /// Largest sum of area vectors of a cell over the sum of the areas.
     pub const CLOSURE: &str = "closure";
+    /// Largest angle between the line off a wall and the wall's normal; missing where there is no wall.
+    pub const WALL_ANGLE: &str = "wall angle (deg)";
 }
 /// Checks the grid: every cell, every interface, every face.
 #[must_use]
@@ -102,7 +106,10 @@ pub fn check(grid: &MultiBlock) -> Report {
     }
     let cells = grid.cell_count();
     let volume = tallies[0].sum;
-    let figures: Vec<Figure> = tallies.into_iter().map(|t| t.figure(cells)).collect();
+    let mut figures: Vec<Figure> = tallies.into_iter().map(|t| t.figure(cells)).collect();
+    let walls = walls(grid);
+    let wall_spacing = walls.as_ref().map(|w| w.spacing);
+    figures.extend(walls.map(|w| w.angle));
     let mut findings = Vec::new();
     for (n, block) in grid.blocks.iter().enumerate() {
         if let Some(node) = (0..block.node_count())
@@ -128,7 +135,7 @@ pub fn check(grid: &MultiBlock) -> Report {
         nodes: grid.node_count(),
         volume,
         figures,
-        wall_spacing: wall_spacing(grid),
+        wall_spacing,
         findings,
     }
 }

@@ -35,6 +35,8 @@ pub struct Recipe {
     /// How far the grid reaches.
     #[serde(default)]
     pub extent: Extent,
+    /// Smoothing of the planes of C and O grids.
+    pub smoothing: Option<SmoothingTable>,
     /// The file the recipe was read from.
     #[serde(skip)]
     pub path: PathBuf,
@@ -189,6 +191,28 @@ pub struct YPlus {
     pub reynolds: f64,
     /// Length of the Reynolds number.
     pub length: Length,
+}
+
+/// Smoothing by elliptic equations.
+#[derive(Clone, Copy, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SmoothingTable {
+    /// What it starts from; `map` if left out.
+    #[serde(default)]
+    pub start: SmoothingStart,
+    /// At most so many sweeps; 200 if left out.
+    pub sweeps: Option<usize>,
+}
+
+/// What smoothing starts from.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum SmoothingStart {
+    /// The conformal map.
+    #[default]
+    Map,
+    /// Transfinite interpolation.
+    Transfinite,
 }
 
 /// How far the grid reaches.

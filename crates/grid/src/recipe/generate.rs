@@ -1,12 +1,14 @@
 //! From the keys of a recipe to a generator.
 
-use super::file::{Kind, Recipe};
+use super::file::{Kind, Recipe, SmoothingStart};
 use super::{RecipeError, wall_height, wing_file};
-use crate::generate::{AerofoilGrid, AerofoilKind, BoxGrid, ChannelGrid, ChannelShape, WingCh, WingOo};
+use crate::generate::{
+    AerofoilGrid, AerofoilKind, BoxGrid, ChannelGrid, ChannelShape, Smoothing, Start, WingCh, WingOo,
+};
 use crate::topology::MultiBlock;
 
 /// Keys that only some kinds know.
-const KEYS: [(&str, &[Kind]); 26] = {
+const KEYS: [(&str, &[Kind]); 27] = {
     use Kind::{AerofoilC, AerofoilO, Box, Bump, FlatPlate, Ramp, WingCh, WingOo};
     [
         ("section", &[AerofoilC, AerofoilO]),
@@ -41,6 +43,7 @@ const KEYS: [(&str, &[Kind]); 26] = {
         ("spacing.wake_growth", &[AerofoilC, WingCh]),
         ("extent.exit", &[WingCh]),
         ("extent.downstream", &[Bump]),
+        ("smoothing", &[AerofoilC, AerofoilO, WingCh]),
     ]
 };
 
@@ -81,6 +84,7 @@ impl Recipe {
             "spacing.wake_growth" => self.spacing.wake_growth.is_some(),
             "extent.exit" => self.extent.exit.is_some(),
             "extent.downstream" => self.extent.downstream.is_some(),
+            "smoothing" => self.smoothing.is_some(),
             _ => false,
         }
     }
@@ -103,16 +107,18 @@ impl Recipe {
             }
         }
         self.check_size()?;
+        let smoothing = self.smoothing()?;
         let made = match kind {
-            Kind::AerofoilC => self.aerofoil(AerofoilKind::C)?.make(),
-            Kind::AerofoilO => self.aerofoil(AerofoilKind::O)?.make(),
-            Kind::WingCh => self.wing_ch()?.make(),
+            Kind::AerofoilC => self.aerofoil(AerofoilKind::C)?.make_smoothed(smoothing),
+            Kind::AerofoilO => self.aerofoil(AerofoilKind::O)?.make_smoothed(smoothing),
+            Kind::WingCh => self.wing_ch()?.make_smoothed(smoothing),
             Kind::WingOo => self.wing_oo()?.make(),
             Kind::FlatPlate | Kind::Bump | Kind::Ramp => self.channel(kind)?.make(),
             Kind::Box => return Ok((self.plain_box()?, self.coarsen.unwrap_or(0))),
         };
         let left = match kind {
-            Kind::WingCh | Kind::WingOo => 0,
+            // What was smoothed as a whole keeps its points; else wings make the coarser level at once.
+            Kind::WingCh | Kind::WingOo if self.smoothing.is_none() => 0,
             _ => self.coarsen.unwrap_or(0),
         };
         made.map(|grid| (grid, left)).map_err(|source| RecipeError::Generate {
@@ -166,6 +172,20 @@ impl Recipe {
         Ok(1 << times)
     }
 
+    fn smoothing(&self) -> Result<Option<Smoothing>, RecipeError> {
+        const MOST: usize = 100_000;
+        let Some(table) = self.smoothing else { return Ok(None) };
+        let sweeps = table.sweeps.unwrap_or(200);
+        if sweeps > MOST {
+            return Err(self.key(format!("smoothing.sweeps: at most {MOST} are possible, got {sweeps}")));
+        }
+        let start = match table.start {
+            SmoothingStart::Map => Start::Map,
+            SmoothingStart::Transfinite => Start::Transfinite,
+        };
+        Ok(Some(Smoothing { start, sweeps }))
+    }
+
     fn growth_limit(&self) -> f64 {
         self.spacing.growth_limit.unwrap_or(2.0)
     }
@@ -215,7 +235,7 @@ impl Recipe {
             exit: self.need(self.extent.exit, "extent.exit")?.0,
             wake_growth: self.spacing.wake_growth.unwrap_or(1.0),
             growth_limit: self.growth_limit(),
-            stride: self.stride()?,
+            stride: if self.smoothing.is_some() { 1 } else { self.stride()? },
         })
     }
 

@@ -10,7 +10,9 @@ mod wing_file;
 
 use std::path::{Path, PathBuf};
 
-pub use file::{Cells, Extent, Kind, Recipe, SectionSource, Shape, Spacing, WingSource, YPlus};
+pub use file::{
+    Cells, Extent, Kind, Recipe, SectionSource, Shape, SmoothingStart, SmoothingTable, Spacing, WingSource, YPlus,
+};
 pub use quantity::{Angle, Length};
 
 use crate::coarsen::{CoarsenError, coarsen};

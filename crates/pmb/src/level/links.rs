@@ -31,7 +31,7 @@ impl Joint {
             a: self.a,
             b: self.b,
             orientation: self.orientation,
-            translation: None,
+            period: None,
         };
         let back = there.reversed();
         [there, back]
