@@ -185,7 +185,10 @@ fn used(grid: &mut MultiBlock) {
     let _ = boundary_file::format(&grid.topology);
 }
 
-fn changes() -> impl Strategy<Value = (Vec<(Index, usize)>, Vec<(Index, Index)>, Option<Index>)> {
+/// Words to replace and by what, lines to swap, a line to remove or double.
+type Changes = (Vec<(Index, usize)>, Vec<(Index, Index)>, Option<Index>);
+
+fn changes() -> impl Strategy<Value = Changes> {
     (
         proptest::collection::vec((any::<Index>(), 0..ODD.len()), 0..4),
         proptest::collection::vec((any::<Index>(), any::<Index>()), 0..2),

@@ -150,7 +150,7 @@ fn text_as_cfl3d_prints_it_reads() {
     let read = plot3d::parse("bumpgrd.fmt", text.as_bytes()).unwrap();
     let block = &read.blocks[0];
     assert_eq!(block.nodes(), [2, 5, 3]);
-    assert_eq!(block.point(1, 4, 2)[0], -9.663_749_000_000_000_6e-2);
+    assert_eq!(block.point(1, 4, 2)[0], -9.663_749e-2);
     assert!(block.point(0, 1, 2)[1] < 0.0 && block.point(1, 1, 2)[1] > 0.0);
     // With the turn of its CFL3D input (type 2005, one degree about x) its sides are each other's.
     let folder = tempfile::tempdir().unwrap();
@@ -203,7 +203,7 @@ fn columns_of_fortran_programs_read() {
     let error = plot3d::parse("naca0012_euler.fmt", surface.as_bytes())
         .unwrap_err()
         .to_string();
-    assert!(error.contains("one node thick"), "{error}");
+    assert!(error.contains("a surface, not a grid of cells"), "{error}");
 }
 
 /// Type names and numbers that are about: case, quotes, comments behind entries, numbers of CFL3D and FUN3D.
@@ -246,4 +246,18 @@ fn types_of_neutral_maps_are_known_by_name_and_by_number() {
     assert!(error("2005 1 5 1 2 1 4").contains("x.nmf:3: unknown type '2005'"));
     assert!(error("1 5 1 2 1 4").contains("a type name is needed"));
     assert!(error("'patched' 1 5 1 2 1 4").contains("only one_to_one"));
+}
+
+/// A plane with three coordinates may be x-y or x-z, its third coordinate constant to the digits of the file.
+#[test]
+fn planes_with_three_coordinates_read_either_way() {
+    for flat in ["0.0 0.0 0.0 0.0", "1.0 1.0 1.0000001 1.0"] {
+        for text in [
+            format!("2 2 1\n0 1 0 1\n0 0 2 2\n{flat}\n"),
+            format!("2 2 1\n0 1 0 1\n{flat}\n0 0 2 2\n"),
+        ] {
+            let read = plot3d::parse("plane", text.as_bytes()).unwrap();
+            assert_eq!(read.blocks[0].point(1, 1, 0)[2], 2.0, "{text}");
+        }
+    }
 }

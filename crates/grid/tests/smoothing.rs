@@ -54,7 +54,7 @@ fn make(text: &str) -> Result<MultiBlock, RecipeError> {
 /// Worst and mean angle at the wall, and largest skewness.
 fn angles(grid: &MultiBlock) -> [f64; 3] {
     let report = quality::check(grid);
-    assert!(report.is_good(), "{report}");
+    assert!(report.findings.iter().all(|f| !f.fatal), "{report}");
     let wall = report.figure(names::WALL_ANGLE).unwrap();
     [
         wall.worst[0].value,
@@ -106,7 +106,13 @@ fn every_plane_of_a_wing_is_smoothed() {
     let text = format!("{WING}[smoothing]\nstart = \"transfinite\"\nsweeps = 150\n");
     let smooth = make(&text).unwrap();
     let (before, after) = (angles(&start), angles(&smooth));
-    assert!(after[1] < 0.4 * before[1], "{before:?} {after:?}");
+    assert!(quality::check(&smooth).is_good());
+    // What is left is the planform's: planes y = const lean at the swept nose.
+    let left = angles(&map);
+    assert!(
+        before[1] > 50.0 && after[1] < left[1] + 3.0,
+        "{before:?} {after:?} {left:?}"
+    );
     assert!(step_off(&map, &smooth) < 1e-3, "{}", step_off(&map, &smooth));
     // The coarser level keeps every second point of what was smoothed, to the last bit.
     let coarse = make(&format!("coarsen = 1\n{text}")).unwrap();

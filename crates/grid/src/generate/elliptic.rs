@@ -53,19 +53,20 @@ impl Elliptic {
     pub(super) fn smooth(self, nodes: &mut [[f64; 2]], ni: usize, nj: usize, first: &[f64]) -> Smoothed {
         let mut plane = Plane { nodes, ni, nj };
         let [near, far] = [0, nj].map(|j| plane.along(j));
-        let moving: Vec<bool> = (0..=ni).map(|i| i > 0 && i < ni && !plane.is_corner(i)).collect();
+        let moving: Vec<usize> = (1..ni).filter(|&i| !plane.is_corner(i)).collect();
         let mut growth = vec![0.0; ni + 1];
         let mut lean = vec![0.0; ni + 1];
+        let steps = || first.iter().enumerate().take(ni).skip(1);
         let mut done = Smoothed {
             sweeps: 0,
             change: f64::INFINITY,
         };
         while done.sweeps < self.sweeps && done.change > ENOUGH {
-            for i in 1..ni {
+            for (i, &step) in steps() {
                 if done.sweeps.is_multiple_of(10) {
                     // Q that makes steps grow by the ratio of a geometric series: (r_jj + Q r_j) is zero for it. Lines change
                     // their lengths slowly, and finding the ratio takes as long as a sweep.
-                    let ratio = geometric_rate(nj, first[i], plane.length(i)).exp();
+                    let ratio = geometric_rate(nj, step, plane.length(i)).exp();
                     growth[i] = -2.0 * (ratio - 1.0) / (ratio + 1.0);
                 }
                 lean[i] = (lean[i] - FOLLOW * plane.missing(i)).clamp(-MOST, MOST);
@@ -84,8 +85,8 @@ impl Elliptic {
         }
         // Twice: the first time brings nodes where the second measures.
         for _ in 0..2 {
-            for i in 1..ni {
-                plane.respread(i, first[i]);
+            for (i, &step) in steps() {
+                plane.respread(i, step);
             }
         }
         done
@@ -107,12 +108,11 @@ impl Plane<'_> {
 
     /// P of Thomas and Middlecoff on a line j.
     fn along(&self, j: usize) -> Vec<f64> {
-        let mut p = vec![0.0; self.ni + 1];
-        for i in 1..self.ni {
+        let inner = (1..self.ni).map(|i| {
             let [before, behind] = self.steps(i, j);
-            p[i] = (2.0 * (before - behind) / (before + behind)).clamp(-MOST, MOST);
-        }
-        p
+            (2.0 * (before - behind) / (before + behind)).clamp(-MOST, MOST)
+        });
+        std::iter::once(0.0).chain(inner).chain([0.0]).collect()
     }
 
     /// Lengths of the edges before and behind node i on a line j.
@@ -151,11 +151,11 @@ impl Plane<'_> {
     }
 
     /// Solves along all lines j, then along all lines i; the largest move over the step along i.
-    fn sweep(&mut self, control: &Control, moving: &[bool]) -> f64 {
+    fn sweep(&mut self, control: &Control, moving: &[usize]) -> f64 {
         let mut change = 0.0f64;
         let most = self.ni.max(self.nj);
         let mut line = Line::new(most + 1);
-        for i in (1..self.ni).filter(|&i| moving[i]) {
+        for &i in moving {
             for j in 1..self.nj {
                 let e = self.equation(control, i, j);
                 line.set(j, e.along_j());
@@ -167,11 +167,10 @@ impl Plane<'_> {
         }
         for j in 1..self.nj {
             for i in 1..self.ni {
-                if moving[i] {
-                    line.set(i, self.equation(control, i, j).along_i());
-                } else {
-                    line.set(i, [[0.0; 2], self.at(i, j)]);
-                }
+                line.set(i, [[0.0; 2], self.at(i, j)]);
+            }
+            for &i in moving {
+                line.set(i, self.equation(control, i, j).along_i());
             }
             line.solve(1..self.ni, self.at(0, j), self.at(self.ni, j));
             for i in 1..self.ni {
@@ -222,9 +221,9 @@ impl Plane<'_> {
         }
         let wanted = geometric(self.nj, first, arc[self.nj]);
         let width = self.ni + 1;
-        for j in 1..self.nj {
-            let m = arc.partition_point(|&s| s <= wanted[j]).clamp(1, self.nj) - 1;
-            self.nodes[i + width * j] = cubic(&old, &arc, m, wanted[j]);
+        for (j, &wanted) in wanted.iter().enumerate().take(self.nj).skip(1) {
+            let m = arc.partition_point(|&s| s <= wanted).clamp(1, self.nj) - 1;
+            self.nodes[i + width * j] = cubic(&old, &arc, m, wanted);
         }
     }
 }
@@ -297,26 +296,19 @@ impl Line {
     /// Solves for `range` with known values before and behind it (Thomas' algorithm; |below| + |above| < 1).
     fn solve(&mut self, range: std::ops::Range<usize>, before: [f64; 2], behind: [f64; 2]) {
         let last = range.end - 1;
-        for m in range.clone() {
-            let (below, above) = (self.below[m], if m == last { 0.0 } else { self.above[m] });
-            for d in 0..2 {
-                if m == range.start {
-                    self.rest[m][d] += below * before[d];
-                }
-                if m == last {
-                    self.rest[m][d] += self.above[m] * behind[d];
-                }
+        // What is known before the first unknown and behind the last one goes to the right.
+        for d in 0..2 {
+            self.rest[range.start][d] += self.below[range.start] * before[d];
+            self.rest[last][d] += self.above[last] * behind[d];
+        }
+        for m in range.clone().skip(1) {
+            let below = self.below[m];
+            let pivot = 1.0 - below * self.above[m - 1];
+            let previous = self.rest[m - 1];
+            for (value, previous) in self.rest[m].iter_mut().zip(previous) {
+                *value = (*value + below * previous) / pivot;
             }
-            let (factor, previous) = if m == range.start {
-                (0.0, [0.0; 2])
-            } else {
-                (self.above[m - 1], self.rest[m - 1])
-            };
-            let pivot = 1.0 - below * factor;
-            for d in 0..2 {
-                self.rest[m][d] = (self.rest[m][d] + below * if m == range.start { 0.0 } else { previous[d] }) / pivot;
-            }
-            self.above[m] = above / pivot;
+            self.above[m] /= pivot;
         }
         self.out[last] = self.rest[last];
         for m in range.rev().skip(1) {

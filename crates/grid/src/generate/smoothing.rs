@@ -36,7 +36,9 @@ impl Smoothing {
         }
         let done = Elliptic { sweeps: self.sweeps }.smooth(nodes, ni, nj, &first);
         let cells = (0..nj).flat_map(|j| (0..ni).map(move |i| [i, j]));
-        let folded = cells.filter(|&cell| !(area(nodes, width, cell) * sense > 0.0)).count();
+        // Not a number is folded, too.
+        let sound = |&cell: &[usize; 2]| area(nodes, width, cell) * sense > 0.0;
+        let folded = cells.filter(|cell| !sound(cell)).count();
         if folded > 0 {
             return Err(GenerateError::Folded {
                 folded,

@@ -83,6 +83,12 @@ fn check(grid: &Grid) -> Result<(), String> {
             return Err(format!("block {}: all coordinates are zero", n + 1));
         }
     }
+    if let Some(n) = grid.surface {
+        return Err(format!(
+            "block {} is one node thick and does not lie in a plane: a surface, not a grid of cells",
+            n + 1
+        ));
+    }
     Ok(())
 }
 
@@ -204,9 +210,13 @@ fn ascii(numbers: &[f64]) -> Result<Grid, String> {
 pub(super) fn build(sizes: &[Size], layout: Layout, part: &mut dyn FnMut(usize, usize) -> Vec<f64>) -> Grid {
     let mut blocks = Vec::with_capacity(sizes.len());
     let mut iblank = Vec::with_capacity(sizes.len());
+    let mut surface = None;
     for (n, &size) in sizes.iter().enumerate() {
         let d = if layout.three_d { 3 } else { 2 };
         let arrays: Vec<Vec<f64>> = (0..d).map(|m| part(n, m)).collect();
+        if surface.is_none() && is_surface(size, &arrays) {
+            surface = Some(n);
+        }
         blocks.push(block(n, size, arrays));
         iblank.push(
             layout
@@ -214,7 +224,27 @@ pub(super) fn build(sizes: &[Size], layout: Layout, part: &mut dyn FnMut(usize, 
                 .then(|| part(n, d).into_iter().map(|v| v as i32).collect()),
         );
     }
-    Grid { blocks, iblank, layout }
+    Grid {
+        blocks,
+        iblank,
+        layout,
+        surface,
+    }
+}
+
+/// True for a block one node thick with three coordinates of which neither the second nor the third is constant (to 1e-5 of the
+/// extent of the first, for files of few digits).
+fn is_surface(size: Size, arrays: &[Vec<f64>]) -> bool {
+    let extent = |v: &[f64]| {
+        let [lo, hi] = v.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[lo, hi], &a| {
+            [lo.min(a), hi.max(a)]
+        });
+        hi - lo
+    };
+    match arrays {
+        [x, y, z] if size[2] == 1 => extent(y).min(extent(z)) > 1e-5 * extent(x),
+        _ => false,
+    }
 }
 
 /// A block from its coordinate arrays. A block one node thick becomes one cell thick: 2-D x, y are our x, z, and k runs
@@ -224,8 +254,11 @@ fn block(n: usize, size: Size, mut arrays: Vec<Vec<f64>>) -> Block {
     if size[2] == 1 {
         let (x, z) = (arrays.swap_remove(0), arrays.swap_remove(arrays.len() - 1));
         // With three coordinates the plane may be x-y or x-z: the one that is not constant is up.
-        let flat = |v: &[f64]| v.iter().all(|&a| a == v[0]);
-        let up = if !arrays.is_empty() && flat(&z) && !flat(&arrays[0]) {
+        let extent = |v: &[f64]| {
+            let spread = |m: f64, a: &f64| m.max((a - v[0]).abs());
+            v.iter().fold(0.0, spread)
+        };
+        let up = if arrays.first().is_some_and(|y| extent(y) > extent(&z)) {
             arrays.swap_remove(0)
         } else {
             z

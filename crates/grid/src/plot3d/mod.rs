@@ -77,6 +77,8 @@ pub struct Grid {
     pub iblank: Vec<Option<Vec<i32>>>,
     /// How the file was written.
     pub layout: Layout,
+    /// The first block one node thick that is curved: a surface, which no cells lie on.
+    surface: Option<usize>,
 }
 
 /// What is wrong with a Plot3D file.
