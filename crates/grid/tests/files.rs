@@ -146,7 +146,11 @@ fn broken_grids_say_what_is_wrong() {
     // Found by the search for panics below: a block one node thick along i.
     assert!(error(b"1 1 2 3 0 1 0 1 0 1 0 0 1 1 2 2 0 0 0 0 0 1").contains("one node thick"));
     assert!(error(b"1\n3 3 3\n1.0 2.0 3.0").contains("truncated"));
-    assert!(error(b"1\n99999999999 99999999999 99999999999\n1.0 2.0 3.0").contains("does not start with block sizes"));
+    let sizes = error(b"1\n99999999999 99999999999 99999999999\n1.0 2.0 3.0");
+    assert!(
+        sizes.contains("does not start with block sizes") && sizes.contains("1.0e33 nodes"),
+        "{sizes}"
+    );
 }
 
 #[test]

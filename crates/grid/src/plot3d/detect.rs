@@ -203,7 +203,18 @@ fn ascii(numbers: &[f64]) -> Result<Grid, String> {
             )
         });
     }
-    Err(nearest.unwrap_or_else(|| "a text file that does not start with block sizes of a Plot3D grid".into()))
+    Err(nearest.unwrap_or_else(|| {
+        let what = "a text file that does not start with block sizes of a Plot3D grid";
+        // Sizes that no file holds: say so instead of leaving a user to guess.
+        let product: f64 = numbers.get(1..4).unwrap_or_default().iter().product();
+        if product > 1e15 && product.is_finite() {
+            return format!(
+                "{what}: the first would have {product:.1e} nodes, and {} numbers follow",
+                numbers.len().saturating_sub(4)
+            );
+        }
+        what.to_owned()
+    }))
 }
 
 /// Builds blocks; `part(block, n)` gives the n-th array of a block (coordinates, then iblank).
