@@ -1,7 +1,7 @@
 //! Times the flow solver's kernels and says what share of memory bandwidth and of peak each reaches:
 //! `RAYON_NUM_THREADS=1 cargo run --release -p dip-pmb --example time_pmb [blocks ni nj nk]`.
 //!
-//! Prints the best of several repetitions, in CPU time, as a table for `docs/performance.md`. Bytes are the least traffic there can be: every
+//! Prints the median of several batches, in CPU time, as a table for `docs/performance.md`. Bytes are the least traffic there can be: every
 //! array a kernel reads or writes, once. Bandwidth and peak are measured in the same run, on the same core.
 
 #[path = "../../benches/kernels/box_flow.rs"]
@@ -11,7 +11,7 @@ mod machine;
 
 use dip_krylov::{BLOCK, GcgSettings, LevelShape, Multilevel, VARIABLES, vector};
 use dip_pmb::reconstruct::Reconstruction;
-use machine::best;
+use machine::median;
 
 /// Blocks of a matrix a cell: its own and six neighbours'.
 const STENCIL: usize = 7;
@@ -31,7 +31,7 @@ struct Table {
 impl Table {
     /// A row: microseconds, bytes and operations a cell.
     fn row(&self, what: &str, bytes: usize, operations: usize, times: usize, work: impl FnMut()) {
-        let us = best(self.repetitions, work) / (self.cells * times) as f64 * 1e6;
+        let us = median(self.repetitions, work) / (self.cells * times) as f64 * 1e6;
         let (gb_s, gflop_s) = (bytes as f64 / us * 1e-3, operations as f64 / us * 1e-3);
         println!(
             "| {what} | {us:.3} | {bytes} | {gb_s:.1} | {:.0} % | {operations} | {gflop_s:.1} | {:.0} % |",
@@ -51,7 +51,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let n = solver.equations.level.cell_count;
     let table = Table {
         cells: n,
-        repetitions: if n > 1_000_000 { 3 } else { 15 },
+        repetitions: if n > 1_000_000 { 3 } else { 7 },
         triad_gb_s: machine::triad_gb_s(),
         peak_gflop_s: machine::peak_gflop_s(),
     };
@@ -138,10 +138,13 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     println!("\n| together | us a cell |\n|---|---|");
     let report = |what: &str, us: f64| println!("| {what} | {us:.3} |");
     let us = |seconds: f64| seconds / n as f64 * 1e6;
-    report("time step", us(best(table.repetitions, || solver.set_time_step(100.0))));
+    report(
+        "time step",
+        us(median(table.repetitions, || solver.set_time_step(100.0))),
+    );
     report(
         "Jacobian, coarse matrices and factors of all levels",
-        us(best(table.repetitions, || solver.build().expect("regular blocks"))),
+        us(median(table.repetitions, || solver.build().expect("regular blocks"))),
     );
     for products in [20, 35] {
         let settings = GcgSettings {
@@ -150,7 +153,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             patience: usize::MAX,
             directions: products,
         };
-        let seconds = best(table.repetitions.min(5), || {
+        let seconds = median(table.repetitions.min(5), || {
             solver.solve(&settings).expect("no breakdown");
         });
         report(

@@ -12,49 +12,81 @@ use crate::{HEADER, Outcome, curve, root, settings, steady, write_history};
 /// Stations at which pressures are compared, parts of the semispan.
 const STATIONS: [f64; 4] = [0.26, 0.52, 0.76, 0.96];
 
-/// Runs all and returns the table.
+const MACH: [f64; 4] = [1.072, 0.96, 0.901, 0.678];
+const ALPHA_DEG: [f64; 2] = [0.0, 1.0];
+
+/// Semispan, root chord, tip chord in metres: Yates 1988 (NASA TM-100492).
+const SPAN: f64 = 0.762;
+const ROOT: f64 = 0.5587;
+const TIP: f64 = 0.3682;
+
+/// Leading edge and chord at a station; the quarter-chord line is swept by 45 degrees.
+fn section(eta: f64) -> [f64; 2] {
+    let sweep = (SPAN + 0.25 * (ROOT - TIP)) / SPAN;
+    [eta * SPAN * sweep, ROOT + eta * (TIP - ROOT)]
+}
+
+/// Pressures of all grids so far at a Mach number and an angle.
+struct Flow {
+    mach: f64,
+    alpha_deg: f64,
+    cuts: [CpCut; STATIONS.len()],
+}
+
+impl Flow {
+    fn write(&self, folder: &Path) -> Outcome<()> {
+        let file = format!("agard445_m{:.0}_a{:.0}_cp.svg", 1000.0 * self.mach, self.alpha_deg);
+        let title = format!(
+            "AGARD 445.6, Mach {}, angle of attack {} degrees",
+            self.mach, self.alpha_deg
+        );
+        fs::write(folder.join(file), cp_cuts(title, &self.cuts, 2)?.svg(1100, 800)?)?;
+        Ok(())
+    }
+}
+
+/// Runs all and returns the table. The grids that take longest come last; figures and table are written after every run, so
+/// that nothing is lost if somebody stops it.
 pub fn agard(folder: &Path) -> Outcome<String> {
     let mut text = String::from(HEADER);
-    // Yates 1988 (NASA TM-100492): semispan 0.762 m, root chord 0.5587 m, tip chord 0.3682 m, quarter-chord sweep 45.
-    let (span, root_chord, tip_chord) = (0.762, 0.5587, 0.3682);
-    let leading = |eta: f64| {
-        let sweep = (span + 0.25 * (root_chord - tip_chord)) / span;
-        eta * span * sweep
-    };
     let reference = Reference {
-        area: 0.5 * (root_chord + tip_chord) * span,
-        chord: root_chord,
-        moment_point: [0.25 * root_chord, 0.0, 0.0],
+        area: 0.5 * (ROOT + TIP) * SPAN,
+        chord: ROOT,
+        moment_point: [0.25 * ROOT, 0.0, 0.0],
     };
-    let grids = [
-        ("meshes/agard445_ch_euler.toml", "C-H coarse"),
-        ("meshes/agard445_oo_coarse.toml", "O-O coarse"),
-        ("tests/data/flow/agard445_ch_euler_medium.toml", "C-H medium"),
-        ("meshes/agard445_oo_medium.toml", "O-O medium"),
-    ]
-    .map(|(path, name)| (recipe::make(&root().join(path)), name));
-    for mach in [0.678, 0.901, 0.96, 1.072] {
-        for alpha in [0.0, 1.0] {
-            let mut cuts = STATIONS.map(|eta| CpCut {
+    let mut flows: Vec<Flow> = MACH
+        .into_iter()
+        .flat_map(|mach| ALPHA_DEG.map(|alpha_deg| (mach, alpha_deg)))
+        .map(|(mach, alpha_deg)| Flow {
+            mach,
+            alpha_deg,
+            cuts: STATIONS.map(|eta| CpCut {
                 label: format!("eta {eta}"),
                 ..CpCut::default()
-            });
-            for (grid, name) in &grids {
-                let grid = grid.as_ref().map_err(ToString::to_string)?;
-                let result = steady(&mut text, name, &settings(mach, alpha, reference), grid)?;
-                for (cut, eta) in cuts.iter_mut().zip(STATIONS) {
-                    let chord = root_chord + eta * (tip_chord - root_chord);
-                    let points = curve(&result, eta * span, leading(eta), chord);
-                    cut.computed.push(((*name).to_owned(), points));
-                }
-                if *name == grids[0].1 && alpha == 1.0 {
-                    let file = format!("agard445_m{:.0}_history.svg", 1000.0 * mach);
-                    write_history(folder, &file, &format!("AGARD 445.6, Mach {mach}, 1 degree"), &result)?;
-                }
+            }),
+        })
+        .collect();
+    for (path, name) in [
+        ("meshes/agard445_ch_euler.toml", "C-H coarse"),
+        ("meshes/agard445_oo_coarse.toml", "O-O coarse"),
+        ("meshes/agard445_oo_medium.toml", "O-O medium"),
+        ("tests/data/flow/agard445_ch_euler_medium.toml", "C-H medium"),
+    ] {
+        let grid = recipe::make(&root().join(path))?;
+        for flow in &mut flows {
+            let result = steady(&mut text, name, &settings(flow.mach, flow.alpha_deg, reference), &grid)?;
+            for (cut, eta) in flow.cuts.iter_mut().zip(STATIONS) {
+                let [leading, chord] = section(eta);
+                let points = curve(&result, eta * SPAN, leading, chord);
+                cut.computed.push((name.to_owned(), points));
             }
-            let file = format!("agard445_m{:.0}_a{alpha:.0}_cp.svg", 1000.0 * mach);
-            let title = format!("AGARD 445.6, Mach {mach}, angle of attack {alpha} degrees");
-            fs::write(folder.join(file), cp_cuts(title, &cuts, 2)?.svg(1100, 800)?)?;
+            if name == "C-H coarse" && flow.alpha_deg == 1.0 {
+                let file = format!("agard445_m{:.0}_history.svg", 1000.0 * flow.mach);
+                let title = format!("AGARD 445.6, Mach {}, 1 degree", flow.mach);
+                write_history(folder, &file, &title, &result)?;
+            }
+            flow.write(folder)?;
+            fs::write(folder.join("agard.md"), &text)?;
         }
     }
     Ok(text)

@@ -29,12 +29,13 @@ pub fn shipped(_: &Path) -> Outcome<String> {
         ("naca0012_unsteady_fine", &[(0.755, 0.016), (0.5, 2.0)]),
         ("naca64a010_c", &[(0.5, 1.0), (0.796, 0.0), (0.85, 1.0)]),
         ("thin_aerofoil_unsteady", &[(0.5, 0.5), (0.8, 0.0)]),
-        ("rae2822_c", &[(0.5, 2.0), (0.75, 3.0)]),
+        ("rae2822_c_euler", &[(0.5, 2.0), (0.75, 3.0)]),
         ("ramp", &[(2.0, 0.0)]),
         ("agard445_ch_euler_coarse", &WING),
         ("agard445_oo_coarsest", &WING),
         ("agard445_oo_coarse", &WING),
         ("agard445_ch_euler", &WING),
+        ("f5_like_ch_euler", &[(0.6, 1.0), (0.95, 0.0)]),
     ] {
         let grid = recipe::make(&root().join(format!("meshes/{recipe_name}.toml")))?;
         for &(mach, alpha) in flows {

@@ -3,7 +3,7 @@
 //! The error on a smooth grid is `a h^2` and terms of higher order: the dissipation of face states from the mean of two differences
 //! (kappa = 0), `h^3`, and that of the cells beside a boundary, which are few, `h^2.5` in L2. On coarse grids these are the larger ones
 //! and the order between two grids comes down to 2 from above. It is asked for where it has come down: on a part of the flow so small
-//! that 96 cells a side are many. `docs/validation/euler` has the whole flows, up to 384 cells a side.
+//! that 96 cells a side are many. `docs/validation/euler` has the whole flows, up to 192 cells a side.
 
 use dip_grid::Condition;
 use dip_grid::generate::BoxGrid;
