@@ -51,6 +51,7 @@ pub fn order(folder: &Path) -> Outcome<String> {
         ("Ringleb", &|n, r| error(&ringleb_grid(n, 1.0), r, ringleb)),
         ("Ringleb, half", &|n, r| error(&ringleb_grid(n, 0.5), r, ringleb)),
     ];
+    let mut curves = [Vec::new(), Vec::new()];
     for (name, measure) in cases {
         for (limiter, reconstruction) in [
             ("none", Reconstruction::Unlimited),
@@ -68,9 +69,17 @@ pub fn order(folder: &Path) -> Outcome<String> {
                 points.push((n as f64, e));
             }
             text.push('\n');
-            let label = format!("{name}{}", if limiter == "none" { "" } else { ", limited" });
-            chart = chart.series(Series::line_markers(label, points, Marker::Circle));
+            curves[usize::from(limiter != "none")].push((name, points));
         }
+    }
+    // One colour a case: the limited curves come again in the order of the others, hollow.
+    let [plain, limited] = curves;
+    for (name, points) in plain {
+        chart = chart.series(Series::line_markers(name, points, Marker::Circle));
+    }
+    for (name, points) in limited {
+        let label = format!("{name}, limited");
+        chart = chart.series(Series::line_markers(label, points, Marker::Circle).hollow());
     }
     let slope = [12.0, 192.0].map(|n| (n, 0.02 / (n * n)));
     chart = chart.series(Series::dashed("second order", slope.to_vec()));
