@@ -30,6 +30,8 @@ pub fn shipped(_: &Path) -> Outcome<String> {
         ("naca64a010_c", &[(0.5, 1.0), (0.796, 0.0), (0.85, 1.0)]),
         ("thin_aerofoil_unsteady", &[(0.5, 0.5), (0.8, 0.0)]),
         ("rae2822_c_euler", &[(0.5, 2.0), (0.75, 3.0)]),
+        // For viscous flow: what such a grid does to the residual of inviscid flow.
+        ("rae2822_c", &[(0.5, 2.0), (0.75, 3.0)]),
         ("ramp", &[(2.0, 0.0)]),
         ("agard445_ch_euler_coarse", &WING),
         ("agard445_oo_coarsest", &WING),

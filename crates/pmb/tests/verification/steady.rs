@@ -335,6 +335,25 @@ fn a_damaged_restart_file_is_refused_and_a_failed_write_keeps_the_old_one() {
 }
 
 #[test]
+fn a_restart_file_with_a_value_that_is_no_number_is_refused_with_the_cell() {
+    let grid = bump([8, 4, 4]);
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("case.restart");
+    let mut s = settings(0.5, 0.0);
+    let mut snapshot = steady(&s, &grid).snapshot;
+    let cell = 3 + 8 * (2 + 4);
+    for (value, variable, what) in [(f64::NAN, 1, "x-velocity"), (-0.1, 4, "pressure")] {
+        let good = std::mem::replace(&mut snapshot.unknowns[5 * cell + variable], value);
+        snapshot.write(&path).expect("a file");
+        snapshot.unknowns[5 * cell + variable] = good;
+        (s.restart, s.resume) = (Some(path.clone()), true);
+        let error = run(&s, &grid, &mut Silent, &AtomicBool::new(false)).expect_err("a bad state");
+        let named = matches!(&error, FlowError::State { ijk: [3, 2, 1], what: w, .. } if *w == what);
+        assert!(named, "{error}");
+    }
+}
+
+#[test]
 fn the_jacobian_of_a_converged_transonic_flow_is_that_of_its_residual() {
     let mut result = steady(&settings(0.8, 1.25), &naca0012(32));
     let check = dip_pmb::check::check_jacobian(&mut result.solver.equations).expect("a physical flow");
