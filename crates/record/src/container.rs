@@ -1,7 +1,8 @@
 //! The container: records, chunks and checksums of an MCAP file, read from the front and as far as it goes.
 //!
-//! Every byte of a finished file is under a checksum: chunks have their own, the data section and the summary one each.
-//! Where a record is unreadable the search goes on at the next chunk whose checksum is right.
+//! Every byte of a finished file of ours is under a checksum: chunks have their own, the data section and the summary one
+//! each. Where a record is unreadable the search goes on at the next chunk whose checksum is right. Files that other
+//! programs wrote or rewrote may do without chunks, checksums (a zero) and summary, and may be packed by lz4.
 
 use std::collections::BTreeMap;
 use std::io::Read as _;
@@ -19,10 +20,21 @@ const CHUNK_LIMIT: u64 = 1 << 30;
 /// Metadata records of a file, by name.
 pub(crate) type MetadataRecords = BTreeMap<String, BTreeMap<String, String>>;
 
+/// A channel as the file has it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct FileChannel {
+    /// Topic.
+    pub topic: String,
+    /// Encoding of its messages.
+    pub encoding: String,
+    /// Name of its schema; none where it has none.
+    pub schema: Option<String>,
+}
+
 /// One message.
 pub(crate) struct RawMessage<'a> {
-    /// Topic of its channel.
-    pub topic: &'a str,
+    /// Its channel.
+    pub channel: &'a FileChannel,
     /// Step, as the container has it.
     pub sequence: u32,
     /// Log time, ns.
@@ -38,8 +50,8 @@ pub(crate) struct Container {
     pub profile: Option<String>,
     /// Metadata records.
     pub metadata: MetadataRecords,
-    /// Topics of the channels.
-    pub channels: BTreeMap<u16, String>,
+    /// Channels, by their numbers.
+    pub channels: BTreeMap<u16, FileChannel>,
     /// What is wrong.
     pub findings: Vec<Finding>,
 }
@@ -53,6 +65,7 @@ pub(crate) fn has_magic(bytes: &[u8]) -> bool {
 pub(crate) fn read(bytes: &[u8], mut take: impl FnMut(&RawMessage<'_>)) -> Container {
     let mut walk = Walk {
         bytes,
+        schemas: BTreeMap::new(),
         out: Container::default(),
     };
     let mut at = mcap::MAGIC.len();
@@ -102,6 +115,8 @@ struct CutShort;
 
 struct Walk<'a> {
     bytes: &'a [u8],
+    /// Names of the schemas, by their numbers.
+    schemas: BTreeMap<u16, String>,
     out: Container,
 }
 
@@ -140,8 +155,8 @@ impl<'a> Walk<'a> {
                 let content = unpack(body)?;
                 self.chunk(&content, take)
             }
-            // Channels and messages stand in chunks; indexes and attachments are not needed.
-            _ => Ok(()),
+            // In a file without chunks; indexes and attachments are not needed.
+            _ => self.content(opcode, body, take),
         }
     }
 
@@ -150,26 +165,43 @@ impl<'a> Walk<'a> {
         while !rest.is_empty() {
             let (opcode, body, after) = split_record(rest).map_err(|CutShort| "a chunk ends within a record")?;
             rest = after;
-            match opcode {
-                op::CHANNEL => {
-                    if let Record::Channel(channel) = parse(opcode, body)? {
-                        self.out.channels.insert(channel.id, channel.topic);
-                    }
+            self.content(opcode, body, take)?;
+        }
+        Ok(())
+    }
+
+    /// A record that may stand in a chunk.
+    fn content(&mut self, opcode: u8, body: &[u8], take: &mut impl FnMut(&RawMessage<'_>)) -> Result<(), String> {
+        match opcode {
+            op::SCHEMA => {
+                if let Record::Schema { header, .. } = parse(opcode, body)? {
+                    self.schemas.insert(header.id, header.name);
                 }
-                op::MESSAGE => {
-                    if let Record::Message { header, data } = parse(opcode, body)?
-                        && let Some(topic) = self.out.channels.get(&header.channel_id)
-                    {
-                        take(&RawMessage {
-                            topic,
-                            sequence: header.sequence,
-                            log_time_ns: header.log_time,
-                            data: &data,
-                        });
-                    }
-                }
-                _ => {}
             }
+            op::CHANNEL => {
+                if let Record::Channel(channel) = parse(opcode, body)? {
+                    let schema = self.schemas.get(&channel.schema_id).cloned();
+                    let known = FileChannel {
+                        topic: channel.topic,
+                        encoding: channel.message_encoding,
+                        schema,
+                    };
+                    self.out.channels.insert(channel.id, known);
+                }
+            }
+            op::MESSAGE => {
+                if let Record::Message { header, data } = parse(opcode, body)?
+                    && let Some(channel) = self.out.channels.get(&header.channel_id)
+                {
+                    take(&RawMessage {
+                        channel,
+                        sequence: header.sequence,
+                        log_time_ns: header.log_time,
+                        data: &data,
+                    });
+                }
+            }
+            _ => {}
         }
         Ok(())
     }
@@ -189,7 +221,7 @@ impl<'a> Walk<'a> {
         if let Ok(Record::DataEnd(end)) = parse(op::DATA_END, body) {
             let sum = crc32fast::hash(&self.bytes[..at]);
             // A chunk that is wrong makes this sum wrong too; that needs no second word.
-            if end.data_section_crc != sum && self.out.findings.is_empty() {
+            if end.data_section_crc != 0 && end.data_section_crc != sum && self.out.findings.is_empty() {
                 self.corrupt(format!(
                     "the checksum of the data section is {sum:08x}, needed {:08x}: something outside the chunks was \
                      changed",
@@ -213,7 +245,10 @@ impl<'a> Walk<'a> {
             Some((f, op::FOOTER, body)) if whole && body.len() == FOOTER => {
                 if let Ok(Record::Footer(footer)) = parse(op::FOOTER, body) {
                     let sum = crc32fast::hash(&bytes[summary_start..f + RECORD_HEAD + 16]);
-                    if footer.summary_crc != sum || footer.summary_start != summary_start as u64 {
+                    let changed = footer.summary_crc != 0 && footer.summary_crc != sum;
+                    // A file may have no summary.
+                    let elsewhere = footer.summary_start != 0 && footer.summary_start != summary_start as u64;
+                    if changed || elsewhere {
                         self.corrupt(
                             "the checksum of the index at the end of the file is wrong; the steps are not touched",
                         );
@@ -262,10 +297,24 @@ fn unpack(body: &[u8]) -> Result<Vec<u8>, String> {
                 .and_then(|decoder| decoder.take(header.uncompressed_size + 1).read_to_end(&mut content));
             unpacked.map_err(|e| format!("a chunk that cannot be unpacked ({e})"))?;
         }
-        other => return Err(format!("a chunk packed by `{other}`, only zstd is read")),
+        "lz4" => {
+            let unpacked = lz4_flex::frame::FrameDecoder::new(&*data)
+                .take(header.uncompressed_size + 1)
+                .read_to_end(&mut content);
+            unpacked.map_err(|e| format!("a chunk that cannot be unpacked ({e})"))?;
+        }
+        other => return Err(format!("a chunk packed by `{other}`, only zstd and lz4 are read")),
     }
     let sum = crc32fast::hash(&content);
-    if content.len() as u64 != header.uncompressed_size || sum != header.uncompressed_crc {
+    if content.len() as u64 != header.uncompressed_size {
+        return Err(format!(
+            "a chunk unpacks to {} bytes, needed {}",
+            content.len(),
+            header.uncompressed_size
+        ));
+    }
+    // Zero says that there is no checksum.
+    if header.uncompressed_crc != 0 && sum != header.uncompressed_crc {
         return Err(format!(
             "the checksum of a chunk is {sum:08x}, needed {:08x}: its content was changed",
             header.uncompressed_crc

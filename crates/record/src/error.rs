@@ -22,7 +22,10 @@ pub enum RecordError {
         got: String,
     },
     /// An MCAP file of somebody else.
-    #[error("{path}: an MCAP file with profile `{got}`, not a recording of ours (profile `{needed}`)")]
+    #[error(
+        "{path}: an MCAP file with profile `{got}`, not a recording of ours (profile `{needed}`, or a metadata record \
+         `dip.file`)"
+    )]
     Foreign {
         /// The file.
         path: String,
@@ -62,6 +65,20 @@ pub enum RecordError {
         topic: &'static str,
         /// Schema.
         schema: &'static str,
+    },
+    /// A channel that every recording has carries something else.
+    #[error(
+        "{path}: channel `{topic}` carries {got}, needed `{schema}` in protobuf (docs/schema.md); make the recording again"
+    )]
+    WrongChannel {
+        /// The file.
+        path: String,
+        /// Topic.
+        topic: &'static str,
+        /// Schema needed.
+        schema: &'static str,
+        /// What it carries.
+        got: String,
     },
     /// Not whole.
     #[error("{path}: {}; `dip doctor` says what can be saved", list(.findings))]

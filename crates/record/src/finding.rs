@@ -31,13 +31,17 @@ pub enum FindingKind {
     Timing,
     /// The recorded motion is not the one that the file says it is.
     Motion,
+    /// Messages stand in the file twice and are alike.
+    Twice,
+    /// A channel that may be there carries something else.
+    Foreign,
 }
 
 impl FindingKind {
     /// True if steps or bytes are lost; false if the file is whole and its content is in doubt.
     #[must_use]
     pub fn is_damage(self) -> bool {
-        !matches!(self, Self::Motion)
+        !matches!(self, Self::Motion | Self::Twice | Self::Foreign)
     }
 
     /// Name in reports.
@@ -51,6 +55,8 @@ impl FindingKind {
             Self::NonFinite => "non-finite",
             Self::Timing => "timing",
             Self::Motion => "motion",
+            Self::Twice => "twice",
+            Self::Foreign => "foreign",
         }
     }
 }

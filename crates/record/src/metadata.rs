@@ -220,9 +220,11 @@ impl Record<'_> {
     }
 }
 
-/// The setup without its surface, from the records of a file by name.
+/// The setup without its surface, from the records of a file by name. `whole` says that nothing in the file is known to be
+/// changed or missing: then other programs may have left the checksum out.
 pub(crate) fn decode(
     records: &BTreeMap<String, BTreeMap<String, String>>,
+    whole: bool,
 ) -> Result<(References, Vec<MotionCoordinate>, Provenance), String> {
     let record = |name: &'static str| {
         records
@@ -246,14 +248,19 @@ pub(crate) fn decode(
         motion.push(decode_motion(&Record { name: &name, map })?);
         listed.push(name);
     }
-    let saved = record(CHECK)?;
     let sum = checksum(
         listed
             .iter()
             .filter_map(|name| records.get(name).map(|map| (name.as_str(), map))),
     );
-    if saved.text("crc32")? != format!("{sum:08x}") {
-        return Err("the metadata do not agree with their checksum".to_owned());
+    match record(CHECK) {
+        Ok(saved) if saved.text("crc32")? != format!("{sum:08x}") => {
+            return Err("the metadata do not agree with their checksum".to_owned());
+        }
+        Err(missing) if !whole => {
+            return Err(format!("{missing}, which a file that is not whole cannot do without"));
+        }
+        _ => {}
     }
     Ok((decode_references(&record(REFERENCES)?)?, motion, provenance))
 }

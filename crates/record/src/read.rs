@@ -4,13 +4,13 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use crate::check;
-use crate::container::{self, Container, RawMessage};
+use crate::container::{self, Container, FileChannel, RawMessage};
 use crate::error::RecordError;
 use crate::finding::{Finding, FindingKind};
 use crate::message::{self, Part};
 use crate::metadata;
 use crate::recording::Recording;
-use crate::schema::{self, CHANNELS, FORMAT, PROFILE};
+use crate::schema::{self, CHANNELS, Channel, FORMAT, PROFILE};
 use crate::setup::Setup;
 use crate::step::Step;
 use crate::surface::{SurfaceGrid, SurfacePatch};
@@ -50,7 +50,7 @@ impl Recording {
     ///
     /// # Errors
     /// [`RecordError::Io`], [`RecordError::NotMcap`], [`RecordError::Foreign`], [`RecordError::Format`],
-    /// [`RecordError::Setup`], [`RecordError::MissingChannel`]: nothing can be saved.
+    /// [`RecordError::Setup`], [`RecordError::MissingChannel`], [`RecordError::WrongChannel`]: nothing can be saved.
     pub fn read_salvage(path: &Path) -> Result<Salvage, RecordError> {
         let name = path.display().to_string();
         let bytes = std::fs::read(path).map_err(|source| RecordError::Io {
@@ -76,6 +76,7 @@ impl Recording {
         let setup = setup(&container, &mut messages, name)?;
         let mut findings = container.findings;
         findings.append(&mut messages.findings);
+        foreign(&container.channels, &mut findings);
         let steps = steps(&setup, messages.steps, &mut findings);
         motion(&setup, &steps, &mut findings);
 
@@ -134,27 +135,28 @@ struct Messages {
 
 impl Messages {
     fn take(&mut self, m: &RawMessage<'_>) {
-        if m.topic == schema::VIEWER.topic || !CHANNELS.iter().any(|c| c.topic == m.topic) {
+        let topic = m.channel.topic.as_str();
+        if topic == schema::VIEWER.topic || !CHANNELS.iter().any(|c| is(m.channel, c)) {
             return;
         }
         let unreadable = || {
             Finding::new(
                 FindingKind::Corrupt,
-                format!("an unreadable message on `{}` at {} ns", m.topic, m.log_time_ns),
+                format!("an unreadable message on `{topic}` at {} ns", m.log_time_ns),
             )
         };
-        if m.topic == schema::SURFACE_GRID.topic {
+        if topic == schema::SURFACE_GRID.topic {
             match message::read_grid(m.data) {
                 Some(patch) => self.patches.push(patch),
                 None => self.findings.push(unreadable()),
             }
-        } else if m.topic == schema::SURFACE_MODE.topic {
+        } else if topic == schema::SURFACE_MODE.topic {
             match message::read_mode(m.data) {
                 Some(shape) => self.shapes.push(shape),
                 None => self.findings.push(unreadable()),
             }
         } else {
-            match message::read_part(m.topic, m.data) {
+            match message::read_part(topic, m.data) {
                 Some((number, time_s, part)) => self.part(m, number, time_s, part),
                 None => self.findings.push(unreadable()),
             }
@@ -162,13 +164,13 @@ impl Messages {
     }
 
     fn part(&mut self, m: &RawMessage<'_>, number: u32, time_s: f64, part: Part) {
-        // A log time is rounded to whole nanoseconds.
-        if log_time_ns(time_s) != m.log_time_ns || number != m.sequence {
+        // A log time is rounded to whole nanoseconds; others cut it off, or leave the sequence at zero.
+        if log_time_ns(time_s).abs_diff(m.log_time_ns) > 1 || (number != m.sequence && m.sequence != 0) {
             self.findings.push(Finding::new(
                 FindingKind::Timing,
                 format!(
                     "`{}`: a message says step {number} at {time_s} s, the log has it as {} at {} ns",
-                    m.topic, m.sequence, m.log_time_ns
+                    m.channel.topic, m.sequence, m.log_time_ns
                 ),
             ));
             return;
@@ -182,12 +184,43 @@ impl Messages {
                 FindingKind::Timing,
                 format!(
                     "step {number}: `{}` belongs to {time_s} s, the messages before it to {} s",
-                    m.topic, step.time_s
+                    m.channel.topic, step.time_s
                 ),
             ));
             return;
         }
         step.parts.push(part);
+    }
+}
+
+/// True if a channel of a file is the one that `needed` describes.
+fn is(channel: &FileChannel, needed: &Channel) -> bool {
+    channel.topic == needed.topic && channel.encoding == "protobuf" && channel.schema.as_deref() == Some(needed.schema)
+}
+
+/// What a channel carries, in words.
+fn content(channel: &FileChannel) -> String {
+    let schema = channel
+        .schema
+        .as_ref()
+        .map_or("no schema".to_owned(), |s| format!("schema `{s}`"));
+    format!("messages of encoding `{}` and {schema}", channel.encoding)
+}
+
+/// Channels with a topic of ours and another content, where a recording can do without them.
+fn foreign(channels: &BTreeMap<u16, FileChannel>, findings: &mut Vec<Finding>) {
+    for needed in CHANNELS.iter().filter(|c| !c.required) {
+        for channel in channels.values().filter(|c| c.topic == needed.topic && !is(c, needed)) {
+            findings.push(Finding::new(
+                FindingKind::Foreign,
+                format!(
+                    "channel `{}` carries {}, not `{}` in protobuf: it is left out",
+                    needed.topic,
+                    content(channel),
+                    needed.schema
+                ),
+            ));
+        }
     }
 }
 
@@ -197,9 +230,11 @@ fn setup(container: &Container, messages: &mut Messages, path: &str) -> Result<S
         path: path.to_owned(),
         what,
     };
+    let file = container.metadata.get(metadata::FILE);
     match &container.profile {
         None => return Err(wrong("the header of the file is missing or unreadable".to_owned())),
-        Some(profile) if profile != PROFILE => {
+        // Tools that pack a file anew leave the profile out.
+        Some(profile) if profile != PROFILE && file.is_none() => {
             return Err(RecordError::Foreign {
                 path: path.to_owned(),
                 needed: PROFILE,
@@ -208,7 +243,6 @@ fn setup(container: &Container, messages: &mut Messages, path: &str) -> Result<S
         }
         Some(_) => {}
     }
-    let file = container.metadata.get(metadata::FILE);
     if let Some(format) = file.and_then(|m| m.get("format"))
         && format != FORMAT
     {
@@ -219,36 +253,58 @@ fn setup(container: &Container, messages: &mut Messages, path: &str) -> Result<S
             version: file.and_then(|m| m.get("version")).cloned().unwrap_or_default(),
         });
     }
-    let (references, mut motion, provenance) = metadata::decode(&container.metadata).map_err(wrong)?;
+    let (references, mut motion, provenance) =
+        metadata::decode(&container.metadata, container.findings.is_empty()).map_err(wrong)?;
     if container.channels.is_empty() {
         return Err(wrong(
-            "the first chunk, with the channels and the surface, is missing or damaged".to_owned(),
+            "it has no channel: the first chunk, with the channels and the surface, is missing or damaged".to_owned(),
         ));
     }
     for channel in CHANNELS.iter().filter(|c| c.required) {
-        if !container.channels.values().any(|topic| topic == channel.topic) {
-            return Err(RecordError::MissingChannel {
-                path: path.to_owned(),
-                topic: channel.topic,
-                schema: channel.schema,
-            });
+        if container.channels.values().any(|c| is(c, channel)) {
+            continue;
+        }
+        let (path, topic, schema) = (path.to_owned(), channel.topic, channel.schema);
+        return Err(match container.channels.values().find(|c| c.topic == topic) {
+            Some(other) => RecordError::WrongChannel {
+                path,
+                topic,
+                schema,
+                got: content(other),
+            },
+            None => RecordError::MissingChannel { path, topic, schema },
+        });
+    }
+    let mut patches: Vec<SurfacePatch> = Vec::new();
+    for patch in messages.patches.drain(..) {
+        // Two that differ are refused with the setup.
+        if !patches.contains(&patch) {
+            patches.push(patch);
         }
     }
-    let patches = std::mem::take(&mut messages.patches);
-    for (coordinate, patch, shape) in messages.shapes.drain(..) {
-        let coordinate = motion.iter_mut().find(|c| c.name == coordinate).ok_or_else(|| {
-            wrong(format!(
-                "a shape of the wall for `{coordinate}`, which is no motion coordinate"
-            ))
-        })?;
-        // The shapes of a coordinate come in the order of the patches.
-        if patches.get(coordinate.shape_m.len()).is_none_or(|p| p.name != patch) {
+    for coordinate in &mut motion {
+        for patch in &patches {
+            let mut alike = messages
+                .shapes
+                .iter()
+                .filter(|(of, on, _)| *of == coordinate.name && *on == patch.name);
+            if let Some((.., shape)) = alike.next() {
+                if alike.any(|(.., other)| other != shape) {
+                    return Err(wrong(format!(
+                        "two shapes of `{}` on patch `{}`",
+                        coordinate.name, patch.name
+                    )));
+                }
+                coordinate.shape_m.push(shape.clone());
+            }
+        }
+    }
+    for (of, on, _) in messages.shapes.drain(..) {
+        if !motion.iter().any(|c| c.name == of) || !patches.iter().any(|p| p.name == on) {
             return Err(wrong(format!(
-                "the shape of `{}` on patch `{patch}` is out of its order",
-                coordinate.name
+                "a shape of the wall for `{of}` on `{on}`: no such motion coordinate or patch"
             )));
         }
-        coordinate.shape_m.push(shape);
     }
     let setup = Setup {
         references,
@@ -263,8 +319,13 @@ fn setup(container: &Container, messages: &mut Messages, path: &str) -> Result<S
 /// Good steps in the order of their numbers.
 fn steps(setup: &Setup, partial: BTreeMap<u32, Partial>, findings: &mut Vec<Finding>) -> Vec<Step> {
     let mut steps: Vec<Step> = Vec::with_capacity(partial.len());
+    let (mut twice, mut first_twice) = (0, None);
     for (number, partial) in partial {
-        let step = assemble(setup, number, partial).and_then(|step| {
+        let step = assemble(setup, number, partial).and_then(|(step, again)| {
+            if again > 0 {
+                twice += again;
+                first_twice.get_or_insert(number);
+            }
             check::step(setup, &step)?;
             Ok(step)
         });
@@ -279,10 +340,34 @@ fn steps(setup: &Setup, partial: BTreeMap<u32, Partial>, findings: &mut Vec<Find
             Err(finding) => findings.push(finding),
         }
     }
+    if let Some(first) = first_twice {
+        findings.push(Finding::new(
+            FindingKind::Twice,
+            format!(
+                "from step {first} on, {twice} messages stand in the file twice and are alike: one of each is taken"
+            ),
+        ));
+    }
     steps
 }
 
-fn assemble(setup: &Setup, number: u32, partial: Partial) -> Result<Step, Finding> {
+/// Puts a value in its place; true if the same one is there already.
+///
+/// # Errors
+/// If another one is there.
+fn put<T: PartialEq>(place: &mut Option<T>, value: T) -> Result<bool, ()> {
+    match place {
+        Some(there) if *there == value => Ok(true),
+        Some(_) => Err(()),
+        None => {
+            *place = Some(value);
+            Ok(false)
+        }
+    }
+}
+
+/// A step, and how many of its messages stand in the file again.
+fn assemble(setup: &Setup, number: u32, partial: Partial) -> Result<(Step, usize), Finding> {
     let incomplete = |what: String| Finding::new(FindingKind::Incomplete, format!("step {number}: {what}"));
     let patches = &setup.surface.patches;
     let index = |name: &str| {
@@ -295,8 +380,9 @@ fn assemble(setup: &Setup, number: u32, partial: Partial) -> Result<Step, Findin
     let mut pressures: Vec<Option<Vec<f64>>> = vec![None; patches.len()];
     let mut shapes: Vec<Option<Vec<[f64; 3]>>> = vec![None; patches.len()];
     let (mut loads, mut modal, mut convergence) = (None, None, None);
+    let mut again = 0;
     for part in partial.parts {
-        let twice = match part {
+        let there = match part {
             Part::Motion(values) => {
                 let known = values
                     .iter()
@@ -307,28 +393,31 @@ fn assemble(setup: &Setup, number: u32, partial: Partial) -> Result<Step, Findin
                         "its motion coordinates are not those of the metadata".to_owned(),
                     ));
                 }
-                motion
-                    .replace(values.into_iter().map(|(_, now)| now).collect())
-                    .is_some()
+                put(&mut motion, values.into_iter().map(|(_, now)| now).collect())
             }
-            Part::Pressure(patch, cp) => pressures[index(&patch)?].replace(cp).is_some(),
-            Part::Shape(patch, nodes) => shapes[index(&patch)?].replace(nodes).is_some(),
-            Part::Loads(l) => loads.replace(l).is_some(),
-            Part::Modal(m) => modal.replace(m).is_some(),
-            Part::Convergence(c) => convergence.replace(c).is_some(),
+            Part::Pressure(patch, cp) => put(&mut pressures[index(&patch)?], cp),
+            Part::Shape(patch, nodes) => put(&mut shapes[index(&patch)?], nodes),
+            Part::Loads(l) => put(&mut loads, l),
+            Part::Modal(m) => put(&mut modal, m),
+            Part::Convergence(c) => put(&mut convergence, c),
         };
-        if twice {
-            return Err(incomplete("a message stands in the file twice".to_owned()));
+        match there {
+            Ok(same) => again += usize::from(same),
+            Err(()) => {
+                return Err(incomplete(
+                    "two messages for the same thing contradict each other".to_owned(),
+                ));
+            }
         }
     }
-    let missing = |channel: schema::Channel| incomplete(format!("`{}` is missing", channel.topic));
+    let missing = |channel: Channel| incomplete(format!("`{}` is missing", channel.topic));
     let shape_m = if shapes.iter().all(Option::is_none) {
         None
     } else {
         let all: Option<Vec<_>> = shapes.into_iter().collect();
         Some(all.ok_or_else(|| missing(schema::SURFACE_SHAPE))?)
     };
-    Ok(Step {
+    let step = Step {
         number,
         time_s: partial.time_s,
         motion: motion.ok_or_else(|| missing(schema::MOTION))?,
@@ -340,7 +429,8 @@ fn assemble(setup: &Setup, number: u32, partial: Partial) -> Result<Step, Findin
         modal,
         convergence: convergence.ok_or_else(|| missing(schema::CONVERGENCE))?,
         shape_m,
-    })
+    };
+    Ok((step, again))
 }
 
 /// Compares the recorded motion with the law in the metadata; says the worst step of each coordinate.

@@ -331,11 +331,20 @@ impl Writer {
         self.flushed
     }
 
-    /// Forces what was handed to the system to the disk, so that not even a power failure takes it.
+    /// Hands the chunk under way to the system and forces all of it to the disk, so that neither a kill nor a power failure
+    /// takes a step. A chunk that is cut short by this makes a file of other bytes; where only whole chunks are under way
+    /// (after a step whose number is a multiple of [`WriterOptions::steps_per_chunk`]) it changes nothing.
     ///
     /// # Errors
-    /// [`RecordError::Io`].
-    pub fn sync(&self) -> Result<(), RecordError> {
+    /// [`RecordError::Io`] or [`RecordError::Container`].
+    pub fn sync(&mut self) -> Result<(), RecordError> {
+        if let (Some(out), Some((last, _))) = (&mut self.out, self.last)
+            && self.flushed != Some(last)
+        {
+            out.inner.flush().map_err(|e| container(&self.path, e))?;
+            self.flushed = Some(last);
+            self.take_place()?;
+        }
         self.file.sync_data().map_err(|source| RecordError::Io {
             path: self.path.display().to_string(),
             source,

@@ -1,6 +1,7 @@
 //! The `pmb` program: grids and the flow.
 
 mod check_jacobian;
+mod logbook;
 pub mod march;
 mod mesh;
 pub mod pitch;

@@ -1,13 +1,12 @@
 //! Listens to a march: reads the damping as it goes, records, and says how far it is.
 
+use crate::pmb::logbook::{Logbook, convergence};
 use crate::pmb::steady::watch::Watch;
 use dip_flutter::decay::{self, Reading};
 use dip_modal::ModalState;
 use dip_pmb::march::{MarchObserver, MarchStep, Verdict};
 use dip_pmb::observer::{Observer, Progress};
-use dip_record::{Convergence, Loads, Modal, MotionValue, Setup, Step, Writer, WriterOptions};
-use std::path::PathBuf;
-use std::time::{Duration, Instant};
+use dip_record::{Convergence, Modal, MotionValue, Step};
 
 /// Hears a run at one density.
 #[derive(Debug)]
@@ -24,62 +23,17 @@ pub struct Listener {
     pub steps: usize,
     /// Name of the run in messages.
     pub label: String,
-    path: PathBuf,
-    setup: Setup,
-    writer: Option<Writer>,
-    last_line: Option<Instant>,
+    /// The recording.
+    pub log: Logbook,
 }
 
 impl Listener {
-    /// A listener that records at `path`.
-    pub fn new(
-        watch: Watch,
-        damping: decay::Watch,
-        mean: Vec<f64>,
-        (steps, all_cycles): (usize, bool),
-        label: String,
-        path: PathBuf,
-        setup: Setup,
-    ) -> Self {
-        Self {
-            watch,
-            damping,
-            mean,
-            all_cycles,
-            steps,
-            label,
-            path,
-            setup,
-            writer: None,
-            last_line: None,
-        }
-    }
-
-    /// Ends the recording.
-    ///
-    /// # Errors
-    /// If the rest cannot be written.
-    pub fn finish(&mut self, reason: &str) -> Result<(), String> {
-        match self.writer.take() {
-            Some(writer) => writer.finish(reason).map_err(|e| e.to_string()),
-            None => Ok(()),
-        }
-    }
-
     fn read(&mut self, state: &ModalState) -> Option<&Reading> {
         let q: Vec<f64> = state.q.iter().zip(&self.mean).map(|(q, m)| q - m).collect();
         self.damping.push(&q)
     }
 
     fn record(&mut self, step: &MarchStep<'_>) -> Result<(), String> {
-        if self.writer.is_none() {
-            let setup = self.setup.clone();
-            let writer = Writer::create(&self.path, setup, WriterOptions::default()).map_err(|e| e.to_string())?;
-            self.writer = Some(writer);
-        }
-        let q = self.setup.references.dynamic_pressure_pa();
-        let force = q * self.setup.references.reference_area_m2;
-        let c = &step.loads.total;
         let record = Step {
             number: u32::try_from(step.number).map_err(|e| e.to_string())?,
             time_s: step.state.time_s,
@@ -94,29 +48,20 @@ impl Listener {
                 })
                 .collect(),
             pressures: step.walls.iter().map(|w| w.cp.clone()).collect(),
-            loads: Loads {
-                cl: c.cl,
-                cd: c.cd,
-                cm: c.cm,
-                force_n: c.force.map(|f| f * force),
-                moment_n_m: c.moment.map(|m| m * force * self.setup.references.reference_chord_m),
-            },
+            loads: self.log.loads(&step.loads.total),
             modal: Some(Modal {
                 q: step.state.q.clone(),
                 q_dot: step.state.q_dot.clone(),
                 force_j: step.state.f.clone(),
             }),
             convergence: Convergence {
-                orders: step.outcome.orders,
-                iterations: u32::try_from(step.outcome.iterations).unwrap_or(u32::MAX),
+                // The mean position is a steady flow.
                 converged: step.outcome.converged || step.number == 0,
+                ..convergence(&step.outcome)
             },
             shape_m: None,
         };
-        match &mut self.writer {
-            Some(writer) => writer.step(&record).map_err(|e| e.to_string()),
-            None => Ok(()),
-        }
+        self.log.step(&record, self.watch.is_interrupted())
     }
 
     fn say(&mut self, step: &MarchStep<'_>) {
@@ -139,16 +84,7 @@ impl Listener {
             q.join(" "),
             step.seconds
         );
-        if self.watch.show(step.number as f64 / self.steps.max(1) as f64, &line) {
-            return;
-        }
-        const INTERVAL: Duration = Duration::from_secs(5);
-        if self.last_line.is_none_or(|at| at.elapsed() >= INTERVAL) {
-            tracing::info!("{line}");
-            self.last_line = Some(Instant::now());
-        } else {
-            tracing::debug!("{line}");
-        }
+        self.watch.tell(step.number as f64 / self.steps.max(1) as f64, line);
     }
 }
 
@@ -179,10 +115,7 @@ impl MarchObserver for Listener {
         for state in states {
             self.read(state);
         }
-        let last = u32::try_from(number).map_err(|e| e.to_string())?;
-        let setup = self.setup.clone();
-        let writer = Writer::resume(&self.path, setup, WriterOptions::default(), last).map_err(|e| e.to_string())?;
-        self.writer = Some(writer);
+        self.log.resume(number)?;
         self.watch.message(&format!("going on after time step {number}"));
         Ok(())
     }

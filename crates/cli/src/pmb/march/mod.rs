@@ -8,6 +8,7 @@ use crate::assemble::{deformation, flow, grid, modes, surface};
 use crate::exit::{Done, Stop};
 use crate::options::Common;
 use crate::output::{self, RunFolder};
+use crate::pmb::logbook::{self, Logbook};
 use crate::pmb::steady::watch::Watch;
 use crate::progress::{Seconds, Timer, watch_interrupts};
 use crate::stamp::{Fingerprint, Stamp};
@@ -498,22 +499,23 @@ impl<'a> March<'a> {
         reading.accuracy = accuracy.map_or(reading.accuracy, |a| a.min(reading.accuracy));
         let damping =
             decay::Watch::new(reading).map_err(|e| Stop::failed(e.to_string(), "change march.steps_per_cycle"))?;
-        let mut listener = Listener::new(
+        let recording = self.folder.path().join(format!("{name}.mcap"));
+        let mut listener = Listener {
             watch,
             damping,
-            mean.q.clone(),
-            (settings.steps, self.file.march.all_cycles),
-            format!("density {density:.5} kg/m^3"),
-            self.folder.path().join(format!("{name}.mcap")),
-            self.setup(density),
-        );
+            mean: mean.q.clone(),
+            all_cycles: self.file.march.all_cycles,
+            steps: settings.steps,
+            label: format!("density {density:.5} kg/m^3"),
+            log: Logbook::new(recording, self.setup(density), settings.checkpoint_steps),
+        };
         let result = dip_pmb::march::run(&settings, &self.grid, &self.wing, stream, &mean, &mut listener, &cancel);
         listener.watch.finish();
         let reason = match &result {
             Ok(r) => format!("{:?}", r.stop),
             Err(e) => format!("failed: {e}"),
         };
-        let closed = listener.finish(&reason);
+        let closed = listener.log.finish(&reason);
         let result = result.map_err(explain)?;
         closed.map_err(|e| Stop::failed(e, "check the disk's space; `dip doctor` says what can be saved"))?;
         let title = format!("Mach {}, density {density:.5} kg/m³", self.file.flow.mach);
@@ -686,7 +688,11 @@ fn settings(
         largest_displacement: 0.2,
         restart: None,
         resume: false,
-        checkpoint_steps: file.time.checkpoint.unwrap_or(20).div_ceil(5) * 5,
+        checkpoint_steps: file
+            .time
+            .checkpoint
+            .unwrap_or(20)
+            .next_multiple_of(logbook::safe_steps()),
     })
 }
 

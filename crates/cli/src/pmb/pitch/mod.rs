@@ -10,6 +10,7 @@ use crate::exit::{Done, Stop};
 use crate::load_harmonics::{self, LoadHarmonics};
 use crate::options::Common;
 use crate::output::{self, RunFolder};
+use crate::pmb::logbook::{self, Logbook};
 use crate::pmb::steady::{cuts, watch::Watch};
 use crate::progress::{Seconds, Timer, watch_interrupts};
 use crate::stamp::{Fingerprint, Stamp};
@@ -19,7 +20,7 @@ use dip_correct::reading::{self, Reading, ReadingSettings};
 use dip_pmb::dual_time::{DualTimeSettings, TimeScheme};
 use dip_pmb::forced::{self, ForcedResult, ForcedSettings, ForcedStop};
 use dip_pmb::steady::StopReason;
-use dip_record::{MotionCoordinate, Provenance, Recording, Setup, WriterOptions};
+use dip_record::{MotionCoordinate, Provenance, Recording, Setup};
 use recorder::Recorder;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
@@ -235,7 +236,6 @@ pub fn compute(document: &Document, path: &Path, resume: bool, common: &Common) 
     settings.restart = None;
     let orders = file.time.orders.unwrap_or(DualTimeSettings::default().orders);
     let every = file.time.checkpoint.unwrap_or(file.motion.steps_per_cycle);
-    let chunk = WriterOptions::default().steps_per_chunk as usize;
     let forced = ForcedSettings {
         steady: settings.clone(),
         time: DualTimeSettings {
@@ -257,7 +257,7 @@ pub fn compute(document: &Document, path: &Path, resume: bool, common: &Common) 
         restart: Some(restart),
         resume,
         // After a chunk of the recording is safe, so that a killed run's recording reaches its restart file.
-        checkpoint_steps: every.div_ceil(chunk) * chunk,
+        checkpoint_steps: every.next_multiple_of(logbook::safe_steps()),
     };
     let setup = Setup {
         references: references(
@@ -492,7 +492,11 @@ impl Run<'_> {
             steps: Vec::new(),
             end: None,
         };
-        let mut recorder = Recorder::new(watch, path.clone(), setup, settings.steps);
+        let mut recorder = Recorder {
+            watch,
+            log: Logbook::new(path.clone(), setup, settings.checkpoint_steps),
+            steps: settings.steps,
+        };
         let result = forced::run(settings, self.grid, &prescribed.motion, &mut recorder, &cancel);
         recorder.watch.finish();
         let reason = match &result {
@@ -502,7 +506,7 @@ impl Run<'_> {
                 .unwrap_or_default(),
             Err(e) => format!("failed: {e}"),
         };
-        let closed = recorder.finish(&reason);
+        let closed = recorder.log.finish(&reason);
         let result = result.map_err(|e| flow::explain(self.document, e))?;
         closed.map_err(|e| Stop::failed(e, "check the disk's space; --resume goes on from the restart file"))?;
         if result.history.is_empty() {

@@ -66,29 +66,15 @@ impl Watch {
 }
 
 impl Watch {
-    /// Shows a line with the part done on a terminal; false where there is none.
-    pub fn show(&mut self, part: f64, line: &str) -> bool {
-        if self.bar.is_hidden() {
-            return false;
-        }
-        self.bar.set_position((1000.0 * part.clamp(0.0, 1.0)) as u64);
-        self.bar.set_message(line.to_owned());
-        true
+    /// True once the user asked to stop.
+    pub fn is_interrupted(&self) -> bool {
+        self.cancel.load(Ordering::Relaxed)
     }
-}
 
-impl Observer for Watch {
-    fn progress(&mut self, p: &Progress) {
-        self.interrupt();
-        let line = line(p);
+    /// Shows a line with the part done on a terminal; elsewhere one now and then, and the last.
+    pub fn tell(&mut self, part: f64, line: String) {
         if !self.bar.is_hidden() {
-            // The bar is the residual's way down on the finest level.
-            let done = if p.level == 0 {
-                (p.orders / self.orders).clamp(0.0, 1.0)
-            } else {
-                0.0
-            };
-            self.bar.set_position((1000.0 * done) as u64);
+            self.bar.set_position((1000.0 * part.clamp(0.0, 1.0)) as u64);
             self.bar.set_message(line);
             return;
         }
@@ -101,6 +87,15 @@ impl Observer for Watch {
             tracing::debug!("{line}");
             self.pending = (!tracing::enabled!(tracing::Level::DEBUG)).then_some(line);
         }
+    }
+}
+
+impl Observer for Watch {
+    fn progress(&mut self, p: &Progress) {
+        self.interrupt();
+        // The bar is the residual's way down on the finest level.
+        let done = if p.level == 0 { p.orders / self.orders } else { 0.0 };
+        self.tell(done, line(p));
     }
 
     fn message(&mut self, text: &str) {
