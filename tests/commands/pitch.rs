@@ -4,6 +4,7 @@ use super::setup::{CaseFolder, Run};
 use serde_json::Value;
 use std::fs;
 use std::io::{BufRead, BufReader};
+use std::path::Path;
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, SystemTime};
 
@@ -380,4 +381,33 @@ fn wrong_motions_are_named_with_their_line() {
     let table = &yates[from..from + yates[from..].find("\n\n").unwrap()];
     fs::write(case.path("small.toml"), text + "\n" + table).unwrap();
     pitch(&case, "out", &[]).exits(2).says(&["small.toml:", "mode 9"]);
+}
+
+/// The shipped case gives what its `expected.json` says, within the bounds that stand there.
+#[test]
+fn the_shipped_aerofoil_case_gives_what_it_promises() {
+    let folder = tempfile::tempdir().unwrap();
+    let shipped = Path::new(env!("CARGO_MANIFEST_DIR")).join("cases/naca0012-pitch");
+    let read = |path: &Path| -> Value { serde_json::from_str(&fs::read_to_string(path).unwrap()).unwrap() };
+    let expected = read(&shipped.join("expected.json"));
+    let output = Command::new(env!("CARGO_BIN_EXE_pmb"))
+        .args(["pitch", "-q", "--out"])
+        .args([folder.path().join("out"), shipped.join("pitch.toml")])
+        .output()
+        .unwrap();
+    Run::new(output).exits(0);
+    let got = read(&folder.path().join("out/summary.json"));
+    assert_eq!(got["stop_reason"], "periodic");
+    assert_eq!(got["steps"], expected["steps"]);
+    let number = |v: &Value| v.as_f64().unwrap();
+    for key in ["cl", "cm"] {
+        for (part, bound) in [("mean", "mean"), ("real", key), ("imaginary", key)] {
+            let (ours, asked) = (number(&got[key][part]), number(&expected[key][part]));
+            let bound = number(&expected["bounds"][bound]);
+            assert!(
+                (ours - asked).abs() <= bound,
+                "{key} {part}: {ours}, expected {asked} within {bound}"
+            );
+        }
+    }
 }

@@ -1,6 +1,8 @@
 //! A run with prescribed motion: from the steady flow at the mean position through cycles of motion until successive ones
 //! agree.
 
+mod kept;
+
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
@@ -11,14 +13,11 @@ use serde::{Deserialize, Serialize};
 use crate::dual_time::{DualTime, DualTimeSettings, StepOutcome};
 use crate::error::FlowError;
 use crate::loads::{Loads, WallGeometry, WallPatch, integrate};
-use crate::motion::{Motion, Shape};
+use crate::motion::Motion;
 use crate::moving::Nodes;
 use crate::observer::Observer;
-use crate::restart::{checksum, doubles, put_doubles, read_checked, write_checked};
 use crate::settings::{FarField, SteadySettings};
 use crate::steady::{self, StopReason};
-
-const MAGIC: &[u8; 8] = b"DIPUNS01";
 
 /// How long to go on, and how the flow is solved.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -116,23 +115,6 @@ pub struct ForcedResult {
     pub seconds: [f64; 2],
 }
 
-/// What the restart file holds besides the flow.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-struct Kept {
-    settings: ForcedSettings,
-    limiter_constant: f64,
-    coordinates: Vec<String>,
-    /// Checksum of the grid at rest.
-    grid: u64,
-    steady_stop: Option<StopReason>,
-    history: Vec<[f64; 3]>,
-    not_converged: usize,
-    iterations: usize,
-    products: usize,
-    builds: usize,
-    state: serde_json::Value,
-}
-
 /// Runs a prescribed motion. `grid` is where every coordinate is zero and must be what [`Motion::rest`] was taken from.
 ///
 /// # Errors
@@ -151,7 +133,7 @@ pub fn run(
     nodes.write_to(&mut placed);
 
     let begin = Instant::now();
-    let kept = read_kept(settings, motion)?;
+    let kept = kept::read(settings, motion)?;
     let mut steady_stop = None;
     let (solver, walls, limiter_constant) = match &kept {
         Some((kept, _)) => {
@@ -188,7 +170,9 @@ pub fn run(
     };
     match kept {
         Some((kept, values)) => {
-            run.flow.restore(&kept.state, &values).map_err(|e| named(e, settings))?;
+            run.flow
+                .restore(&kept.state, &values)
+                .map_err(|e| kept::named(e, settings))?;
             run.history = kept.history;
             run.steady_stop = kept.steady_stop;
             (run.not_converged, run.iterations) = (kept.not_converged, kept.iterations);
@@ -270,65 +254,6 @@ fn check(settings: &ForcedSettings) -> Result<(), FlowError> {
         );
     }
     Ok(())
-}
-
-fn named(error: FlowError, settings: &ForcedSettings) -> FlowError {
-    match (error, &settings.restart) {
-        (FlowError::Restart { what, .. }, Some(path)) => FlowError::Restart {
-            path: path.display().to_string(),
-            what,
-        },
-        (error, _) => error,
-    }
-}
-
-fn read_kept(settings: &ForcedSettings, motion: &Motion) -> Result<Option<(Kept, Vec<f64>)>, FlowError> {
-    let Some(path) = settings.restart.as_ref().filter(|p| settings.resume && p.exists()) else {
-        return Ok(None);
-    };
-    let wrong = |what: String| FlowError::Restart {
-        path: path.display().to_string(),
-        what,
-    };
-    let (header, body) = read_checked(path, MAGIC)?;
-    let kept: Kept = serde_json::from_slice(&header).map_err(|e| wrong(format!("header: {e}")))?;
-    if !kept.settings.steady.is_same_flow(&settings.steady) || kept.settings.steps_per_cycle != settings.steps_per_cycle
-    {
-        return Err(wrong(
-            "flow, reference, scheme or steps per cycle differ from those of the case".to_owned(),
-        ));
-    }
-    if kept.coordinates != describe(motion) {
-        return Err(wrong(format!(
-            "the motion was {:?}, this case has {:?}",
-            kept.coordinates,
-            describe(motion)
-        )));
-    }
-    if kept.grid != checksum_of(&motion.rest) {
-        return Err(wrong("it is of another grid".to_owned()));
-    }
-    Ok(Some((kept, doubles(&body))))
-}
-
-/// Name, shape, and law of every coordinate.
-fn describe(motion: &Motion) -> Vec<String> {
-    motion
-        .coordinates
-        .iter()
-        .map(|c| {
-            let shape = match &c.shape {
-                Shape::Field(nodes) => format!("field {:016x}", checksum_of(nodes)),
-                rigid => format!("{rigid:?}"),
-            };
-            format!("{}: {shape}, {:?}", c.name, c.law)
-        })
-        .collect()
-}
-
-/// Tells one set of nodes from another.
-fn checksum_of(nodes: &Nodes) -> u64 {
-    checksum(nodes.blocks.iter().flatten().flatten().flat_map(|v| v.to_le_bytes()))
 }
 
 struct Run<'a> {
@@ -437,31 +362,5 @@ impl Run<'_> {
     fn is_periodic(&self) -> bool {
         let n = self.settings.steps_per_cycle;
         n > 0 && self.flow.step.is_multiple_of(n) && self.cycle_change < self.settings.cycle_tolerance
-    }
-
-    fn write(&self) -> Result<(), FlowError> {
-        let Some(path) = &self.settings.restart else {
-            return Ok(());
-        };
-        let json = |e: serde_json::Error| FlowError::Io {
-            path: path.display().to_string(),
-            source: e.into(),
-        };
-        let (state, values) = self.flow.save().map_err(json)?;
-        let kept = Kept {
-            settings: self.settings.clone(),
-            limiter_constant: self.limiter_constant,
-            coordinates: describe(self.motion),
-            grid: checksum_of(&self.motion.rest),
-            steady_stop: self.steady_stop.clone(),
-            history: self.history.clone(),
-            not_converged: self.not_converged,
-            iterations: self.iterations,
-            products: self.products,
-            builds: self.builds,
-            state,
-        };
-        let header = serde_json::to_vec(&kept).map_err(json)?;
-        write_checked(path, MAGIC, &header, &|out| put_doubles(out, &values))
     }
 }

@@ -1,11 +1,13 @@
-//! Validation of unsteady Euler flow: a thin section against Possio's equation, AGARD R-702's pitching aerofoils. Writes
-//! `docs/validation/unsteady/`.
+//! Validation of unsteady Euler flow: a thin section against Possio's equation, AGARD R-702's pitching aerofoils, pitching
+//! wings. Writes `docs/validation/unsteady/`.
 //!
-//! `cargo run --release -p dip-pmb --example validate_unsteady [-- thin ct3 ct ct6]` (all by default; some minutes on one
-//! core). With no part that it knows, it only puts the page together.
+//! `RAYON_NUM_THREADS=1 cargo run --release -p dip-pmb --example validate_unsteady [-- thin limit ct3 ct ct6 agard lann f5]`
+//! (all by default; some minutes on one core). With no part that it knows, it only puts the page together.
 
 mod pitching;
 mod possio;
+mod wing;
+mod wings;
 
 use std::error::Error;
 use std::f64::consts::TAU;
@@ -124,6 +126,57 @@ fn thin(folder: &Path) -> Outcome<String> {
         complex(theodorsen[0]),
         complex(theodorsen[1])
     )?;
+    Ok(text)
+}
+
+/// What thickness and grid do to the thin section's moment: the 2 % section on the finer grid, a 4 % one on the same grid,
+/// and both differences taken to their limits.
+fn limit(_: &Path) -> Outcome<String> {
+    let [thin, fine, thick] = [
+        "thin_aerofoil_unsteady",
+        "thin_aerofoil_unsteady_fine",
+        "thin_aerofoil_4_unsteady",
+    ]
+    .map(mesh);
+    let (thin, fine, thick) = (thin?, fine?, thick?);
+    let mut text = String::from(
+        "| Mach | k | section, points | CL | amplitude, % | phase, deg | CM | amplitude, % | phase, deg | CM off, % of CL c/4 |\n\
+         |---|---|---|---|---|---|---|---|---|---|\n",
+    );
+    for k in [0.1, 0.5] {
+        let case = Pitching {
+            mach: 0.5,
+            k,
+            mean_deg: 0.0,
+            amplitude: 0.2,
+            axis: Some(0.25),
+            steps: 40,
+            orders: 2.5,
+        };
+        let exact = possio::coefficients(case.mach, k, 0.25, PlateMotion::Pitch);
+        let on_thin = case.run(&thin)?.harmonics;
+        let on_fine = case.run(&fine)?.harmonics;
+        let on_thick = case.run(&thick)?.harmonics;
+        // Second order in the grid, first order in the thickness.
+        let limits = [0, 1].map(|c| on_fine[c] + (on_fine[c] - on_thin[c]) / 3.0 + (on_thin[c] - on_thick[c]));
+        for (name, ours) in [
+            ("4 %, 161 x 33", on_thick),
+            ("2 %, 161 x 33", on_thin),
+            ("2 %, 321 x 65", on_fine),
+            ("both to their limits", limits),
+        ] {
+            let [[la, lp], [ma, mp]] = [0, 1].map(|c| errors(ours[c], exact[c]));
+            let part = 100.0 * (ours[1] - exact[1]).norm() / (0.25 * exact[0].norm());
+            writeln!(
+                text,
+                "| {} | {k} | {name} | {} | {la:+.2} | {lp:+.2} | {} | {ma:+.2} | {mp:+.2} | {part:.2} |",
+                case.mach,
+                complex(ours[0]),
+                complex(ours[1])
+            )?;
+        }
+        eprintln!("limit, k {k}: done");
+    }
     Ok(text)
 }
 
@@ -387,6 +440,10 @@ fn page(folder: &Path) -> Outcome<()> {
          collocation. CM about the quarter chord: near the aerodynamic centre it is a small difference of large loads, a few per\n\
          cent of the lift, and thickness moves that centre; its relative errors are to be read with that in mind.\n\n{}\n\
          ![Amplitude and phase](thin.svg)\n\n\
+         What thickness and grid do to the moment, pitch at Mach 0.5. The last row takes both to their limits at once: second order\n\
+         in the grid (321 x 65 plus a third of its difference from 161 x 33), first order in the thickness (2 % less its\n\
+         difference from 4 %). The last column is the moment's error as a part of the lift times a quarter of the chord: as a\n\
+         shift of the centre of pressure in per cent of c/4.\n\n{}\n\
          ## NACA 0012, AGARD CT3\n\n\
          Mach 0.600, 4.86 + 2.44 sin(omega t) degrees about the quarter chord, k 0.0810. Experiment: AGARD R-702 data set 3 (Landon) as\n\
          distributed with CFL3D. The experiment has Re 4.8e6 and a shock at the highest incidence that its boundary layer feels;\n\
@@ -398,12 +455,23 @@ fn page(folder: &Path) -> Outcome<()> {
          ## NACA 64A010, AGARD CT6\n\n\
          Mach 0.796, 1.01 sin(omega t) degrees about 0.248 c, k 0.202; conditions from memory, no measured numbers at hand.\n\n{}\n\
          ![First harmonic of the pressure](ct6_cp.svg)\n\n![Lift and moment](ct6_loops.svg)\n\n\
-         ## AGARD 445.6: cost and accuracy\n\n{}",
+         ## AGARD 445.6: cost and accuracy\n\n{}\n\
+         ## A wing like that of the F-5\n\n{}\n\
+         ![First harmonic of Cp, F-5-like wing](f5_cp.svg)\n\n\
+         ## LANN wing\n\n{}\n\
+         ![First harmonic of Cp, LANN wing](lann_cp.svg)\n\n\
+         ## The wing's pressures beside the lattice's\n\n\
+         First harmonics of Cp at three sections of AGARD 445.6 as in the thesis's figure 6.9, beside the doublet lattice's:\n\
+         [correction](../correction/README.md).\n\n{}",
         table("thin"),
+        table("limit"),
         table("ct3"),
         table("ct"),
         table("ct6"),
         table("agard"),
+        table("f5"),
+        table("lann"),
+        table("motions"),
     );
     fs::write(folder.join("README.md"), text)?;
     Ok(())
@@ -418,6 +486,10 @@ fn main() -> Outcome<()> {
         ("ct3", ct3),
         ("ct", ct),
         ("ct6", ct6),
+        ("limit", limit),
+        ("agard", wings::agard),
+        ("f5", wings::f5),
+        ("lann", wings::lann),
     ] {
         if asked.is_empty() || asked.iter().any(|a| a == name) {
             let table = work(&folder)?;

@@ -2,28 +2,27 @@
 
 mod files;
 mod recorder;
+mod session;
+mod summary;
 
-use crate::assemble::motion::{self, Clock};
+use crate::assemble::motion;
 use crate::assemble::references::{Unsteady, references};
 use crate::assemble::{flow, grid, surface};
 use crate::exit::{Done, Stop};
-use crate::load_harmonics::{self, LoadHarmonics};
 use crate::options::Common;
 use crate::output::{self, RunFolder};
-use crate::pmb::logbook::{self, Logbook};
-use crate::pmb::steady::{cuts, watch::Watch};
-use crate::progress::{Seconds, Timer, watch_interrupts};
+use crate::pmb::logbook;
+use crate::pmb::steady::cuts;
+use crate::progress::{Timer, watch_interrupts};
 use crate::stamp::{Fingerprint, Stamp};
 use dip_case::file::{MotionLaw, PitchFile, SteadyFile, TimeSchemeKind};
 use dip_case::{Document, atmosphere};
-use dip_correct::reading::{self, Reading, ReadingSettings};
 use dip_pmb::dual_time::{DualTimeSettings, TimeScheme};
-use dip_pmb::forced::{self, ForcedResult, ForcedSettings, ForcedStop};
-use dip_pmb::steady::StopReason;
-use dip_record::{MotionCoordinate, Provenance, Recording, Setup};
-use recorder::Recorder;
-use serde::Serialize;
+use dip_pmb::forced::{ForcedSettings, ForcedStop};
+use dip_record::{MotionCoordinate, Provenance, Setup};
+use session::Session;
 use std::path::{Path, PathBuf};
+use summary::Summary;
 
 /// The restart file.
 const RESTART: &str = "restart.pmb";
@@ -53,69 +52,6 @@ const EXAMPLES: &str = "Examples:
 
 Exit codes: 0 done; 1 failed; 2 bad arguments or input; 3 done, but steps did not converge or cycles do not agree;
 130 interrupted, --resume goes on.";
-
-/// Mean and first harmonic of a coefficient.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-struct Harmonic {
-    /// Mean over the cycle.
-    mean: f64,
-    /// Part in phase with the motion, per radian, metre or 1.
-    real: f64,
-    /// Part a quarter of a cycle ahead of it.
-    imaginary: f64,
-}
-
-/// A further sine of the motion and what answers it at its frequency: real and imaginary part per radian, metre or 1.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-struct Further {
-    multiple: usize,
-    reduced_frequency: f64,
-    cl: [f64; 2],
-    cd: [f64; 2],
-    cm: [f64; 2],
-}
-
-/// What `summary.json` holds.
-#[derive(Debug, Serialize)]
-struct Summary<'a> {
-    command: &'static str,
-    stamp: Stamp,
-    settings: &'a str,
-    stop_reason: ForcedStop,
-    steady_stop_reason: Option<&'a StopReason>,
-    mach: f64,
-    alpha_deg: f64,
-    speed_m_s: f64,
-    density_kg_m3: f64,
-    omega_rad_s: f64,
-    frequency_hz: f64,
-    reduced_frequency: f64,
-    amplitude: f64,
-    /// Modes and control surfaces: how far the amplitude moves the wall.
-    largest_displacement_m: Option<f64>,
-    steps_per_cycle: usize,
-    steps: usize,
-    steps_not_converged: usize,
-    iterations: usize,
-    products: usize,
-    preconditioners: usize,
-    /// Change from the last cycle but one to the last, as a part of the amplitude.
-    cycle_change: Option<f64>,
-    /// First harmonics per radian, metre or 1, over the last whole cycle.
-    cl: Option<Harmonic>,
-    cd: Option<Harmonic>,
-    cm: Option<Harmonic>,
-    /// Of each further sine of `[[motion.harmonic]]`.
-    further: Vec<Further>,
-    /// With half the amplitude, where asked for: the largest change of the harmonics of lift and moment, as a part.
-    linearity: Option<f64>,
-    cells: usize,
-    mesh_hash: &'a str,
-    recording: &'static str,
-    warnings: Vec<String>,
-    stages: &'a [(String, Seconds)],
-    total: Seconds,
-}
 
 /// Runs the command.
 pub fn run(args: &Args) -> Result<Done, Stop> {
@@ -288,7 +224,7 @@ pub fn compute(document: &Document, path: &Path, resume: bool, common: &Common) 
         tracing::info!("{}: the wall moves by up to {largest:.3e} m", coordinate.name);
     }
     let timer = Timer::start();
-    let run = Run {
+    let run = Session {
         document,
         folder: &folder,
         grid: &mesh.grid,
@@ -310,8 +246,8 @@ pub fn compute(document: &Document, path: &Path, resume: bool, common: &Common) 
             folder.path().join(RESTART).display(),
         )));
     }
-    let readings = readings(&recording, &file)?;
-    let loads = first_loads(&recording, &readings)?;
+    let readings = session::readings(&recording, &file)?;
+    let loads = session::first_loads(&recording, &readings)?;
     let linearity = if file.motion.linearity {
         let timer = Timer::start();
         let half = run.halved(&forced, &file, prescribed.clone(), setup)?;
@@ -338,32 +274,12 @@ pub fn compute(document: &Document, path: &Path, resume: bool, common: &Common) 
     }
     stages.push(("write".to_owned(), timer.seconds()));
 
-    let warnings = warnings(&result, &file, &clock, linearity);
+    let warnings = summary::warnings(&result, &file, &clock, linearity);
     for warning in &warnings {
         tracing::warn!("{warning}");
     }
-    let harmonic = loads.as_ref().map(|l| {
-        [0, 1, 2].map(|c| Harmonic {
-            mean: l.mean[c],
-            real: l.first[c].re,
-            imaginary: l.first[c].im,
-        })
-    });
-    let further: Vec<Further> = loads
-        .iter()
-        .flat_map(|l| &l.further)
-        .map(|(multiple, answer)| {
-            let [cl, cd, cm] = answer.map(|a| [a.re, a.im]);
-            Further {
-                multiple: *multiple,
-                reduced_frequency: *multiple as f64 * clock.reduced_frequency,
-                cl,
-                cd,
-                cm,
-            }
-        })
-        .collect();
-    let mut text = text(&title, &result, harmonic.as_ref(), &further, linearity);
+    let (harmonic, further) = summary::harmonics(loads.as_ref(), &clock);
+    let mut text = summary::text(&title, &result, harmonic.as_ref(), &further, linearity);
     if file.motion.law == MotionLaw::Pulse {
         text.push_str(&format!(
             "`dip export {} --harmonics --k K` transforms the pulse at any reduced frequency K\n",
@@ -464,189 +380,4 @@ pub fn steady_file(file: &PitchFile) -> SteadyFile {
         patch: file.patch.clone(),
         cuts: file.cuts.clone(),
     }
-}
-
-/// What the runs with whole and with half the amplitude have in common.
-struct Run<'a> {
-    document: &'a Document,
-    folder: &'a RunFolder,
-    grid: &'a dip_grid::MultiBlock,
-    common: &'a Common,
-}
-
-impl Run<'_> {
-    /// Runs the motion; the recording is read back, so that all results are those of the file and hold the steps of an
-    /// earlier run that was gone on with.
-    fn march(
-        &self,
-        name: &str,
-        settings: &ForcedSettings,
-        prescribed: &motion::Prescribed,
-        setup: Setup,
-    ) -> Result<(ForcedResult, Recording), Stop> {
-        let watch = Watch::new(self.common.quiet, settings.steady.solver.orders);
-        let cancel = watch.cancel();
-        let path = self.folder.path().join(name);
-        let nothing = Recording {
-            setup: setup.clone(),
-            steps: Vec::new(),
-            end: None,
-        };
-        let mut recorder = Recorder {
-            watch,
-            log: Logbook::new(path.clone(), setup, settings.checkpoint_steps),
-            steps: settings.steps,
-        };
-        let result = forced::run(settings, self.grid, &prescribed.motion, &mut recorder, &cancel);
-        recorder.watch.finish();
-        let reason = match &result {
-            Ok(r) => serde_json::to_value(r.stop)
-                .ok()
-                .and_then(|v| v.as_str().map(str::to_owned))
-                .unwrap_or_default(),
-            Err(e) => format!("failed: {e}"),
-        };
-        let closed = recorder.log.finish(&reason);
-        let result = result.map_err(|e| flow::explain(self.document, e))?;
-        closed.map_err(|e| Stop::failed(e, "check the disk's space; --resume goes on from the restart file"))?;
-        if result.history.is_empty() {
-            return Ok((result, nothing));
-        }
-        let recording = Recording::read(&path)
-            .map_err(|e| Stop::failed(e.to_string(), "`dip doctor` says what is wrong with the recording"))?;
-        Ok((result, recording))
-    }
-
-    /// First harmonics of the loads with half the amplitude.
-    fn halved(
-        &self,
-        settings: &ForcedSettings,
-        file: &PitchFile,
-        mut half: motion::Prescribed,
-        mut setup: Setup,
-    ) -> Result<Option<LoadHarmonics>, Stop> {
-        for coordinate in &mut half.motion.coordinates {
-            if let dip_pmb::motion::Law::Harmonic { terms, .. } = &mut coordinate.law {
-                terms.iter_mut().for_each(|t| t.amplitude *= 0.5);
-            }
-        }
-        if let dip_record::Law::Harmonic { harmonics, .. } = &mut half.coordinate.law {
-            harmonics.iter_mut().for_each(|h| h.amplitude *= 0.5);
-        }
-        setup.motion = vec![half.recorded(self.grid)];
-        let settings = ForcedSettings {
-            restart: None,
-            resume: false,
-            ..settings.clone()
-        };
-        tracing::info!("once more with half the amplitude");
-        let (result, recording) = self.march("pitch_half.mcap", &settings, &half, setup)?;
-        if result.stop == ForcedStop::Interrupted {
-            return Err(Stop::Interrupted(format!(
-                "the run with the full amplitude is in {}; --resume goes on with half of it",
-                self.folder.path().join(RECORDING).display()
-            )));
-        }
-        first_loads(&recording, &readings(&recording, file)?)
-    }
-}
-
-/// First harmonics over the last whole cycle, as `dip export --harmonics` gives them; none where the motion has no cycle
-/// or the run was shorter than one.
-fn readings(recording: &Recording, file: &PitchFile) -> Result<Vec<Reading>, Stop> {
-    let cycle = file.motion.steps_per_cycle;
-    if file.motion.law != MotionLaw::Harmonic || recording.steps.len() <= cycle {
-        return Ok(Vec::new());
-    }
-    reading::read(recording, RECORDING, &ReadingSettings::default()).map_err(|e| no_harmonics(&e))
-}
-
-fn first_loads(recording: &Recording, readings: &[Reading]) -> Result<Option<LoadHarmonics>, Stop> {
-    match readings.first() {
-        Some(first) => load_harmonics::of(recording, first, readings).map_err(|e| no_harmonics(&e)),
-        None => Ok(None),
-    }
-}
-
-fn no_harmonics(error: &dyn std::fmt::Display) -> Stop {
-    Stop::failed(
-        format!("no first harmonics: {error}"),
-        "the recording is whole; `dip export --csv` gives its history",
-    )
-}
-
-fn warnings(result: &ForcedResult, file: &PitchFile, clock: &Clock, linearity: Option<f64>) -> Vec<String> {
-    let mut warnings = Vec::new();
-    if let Some(stop) = result.steady_stop.as_ref().filter(|s| !s.is_converged()) {
-        warnings.push(format!(
-            "the steady start is not converged ({stop:?}): look at it by `pmb steady`"
-        ));
-    }
-    if result.not_converged > 0 {
-        warnings.push(format!(
-            "{} of {} time steps did not converge to the orders asked for; more steps per cycle or time.iterations help",
-            result.not_converged, result.steps
-        ));
-    }
-    if clock.steps_per_cycle > 0 && file.motion.tolerance > 0.0 && result.stop == ForcedStop::AllSteps {
-        warnings.push(format!(
-            "the last two cycles differ by {:.2} % of the amplitude, {:.2} % were asked for; more motion.cycles help",
-            100.0 * result.cycle_change,
-            100.0 * file.motion.tolerance
-        ));
-    }
-    if let Some(change) = linearity.filter(|c| *c > 0.05) {
-        warnings.push(format!(
-            "with half the amplitude the harmonics change by {:.1} %: the response is not linear",
-            100.0 * change
-        ));
-    }
-    warnings
-}
-
-fn text(
-    title: &str,
-    result: &ForcedResult,
-    harmonic: Option<&[Harmonic; 3]>,
-    further: &[Further],
-    linearity: Option<f64>,
-) -> String {
-    let reason = match result.stop {
-        ForcedStop::Periodic => "two successive cycles agree",
-        ForcedStop::AllSteps => "all steps taken",
-        ForcedStop::Interrupted => "interrupted",
-    };
-    let mut text = format!(
-        "{title}: {reason} after {} time steps, {} pseudo steps, {} products\n",
-        result.steps, result.iterations, result.products
-    );
-    if let Some(h) = harmonic {
-        text.push_str(&format!(
-            "{:<4}{:>13}{:>13}{:>13}\n",
-            "", "mean", "in phase", "1/4 ahead"
-        ));
-        for (name, h) in ["CL", "CD", "CM"].into_iter().zip(h) {
-            text.push_str(&format!(
-                "{name:<4}{:>13.7}{:>13.6}{:>13.6}\n",
-                h.mean, h.real, h.imaginary
-            ));
-        }
-        for f in further {
-            text.push_str(&format!(
-                "at {} times the frequency, k = {:.4}\n",
-                f.multiple, f.reduced_frequency
-            ));
-            for (name, [real, imaginary]) in [("CL", f.cl), ("CD", f.cd), ("CM", f.cm)] {
-                text.push_str(&format!("{name:<4}{:>13}{real:>13.6}{imaginary:>13.6}\n", ""));
-            }
-        }
-        text.push_str("harmonics per radian, metre or 1 of the motion\n");
-    }
-    if let Some(change) = linearity {
-        text.push_str(&format!(
-            "with half the amplitude: harmonics change by {:.2} %\n",
-            100.0 * change
-        ));
-    }
-    text
 }
