@@ -359,3 +359,63 @@ fn too_short_a_record_has_no_harmonics() {
         .says(&["cycle"]);
     assert!(!folder.path("short.export").exists());
 }
+
+/// A pulse gives loads at any reduced frequency: CL = 3 alpha + 0.002 s alpha' has the ratio 3 + 0.002 s i omega.
+#[test]
+fn a_pulse_has_loads_at_every_frequency_asked() {
+    const STEP_S: f64 = 2e-4;
+    const DURATION_S: f64 = 0.04;
+    let folder = Folder::new();
+    let mut setup = setup();
+    setup.references.steps_per_cycle = None;
+    setup.references.time_step_s = STEP_S;
+    setup.motion[0].law = Law::Pulse {
+        mean: 0.0,
+        amplitude: 0.01,
+        start_s: 0.0,
+        duration_s: DURATION_S,
+        formula: "sin^2(pi t/T)".to_owned(),
+    };
+    let mut writer = Writer::create(&folder.path("pulse.mcap"), setup.clone(), WriterOptions::default()).unwrap();
+    for n in 0..=400 {
+        let time_s = f64::from(n) * STEP_S;
+        let turn = std::f64::consts::PI / DURATION_S;
+        let (value, rate) = if time_s < DURATION_S {
+            let (sin, cos) = (turn * time_s).sin_cos();
+            (0.01 * sin * sin, 0.02 * turn * sin * cos)
+        } else {
+            (0.0, 0.0)
+        };
+        let mut now = step(&setup, 0);
+        now.number = n;
+        now.time_s = time_s;
+        now.motion[0].value = value;
+        now.motion[0].rate = rate;
+        now.loads.cl = 0.2 + 3.0 * value + 0.002 * rate;
+        now.loads.cm = -1.2 * value;
+        writer.step(&now).unwrap();
+    }
+    writer.finish("all steps").unwrap();
+    folder
+        .dip(&[
+            "export",
+            "pulse.mcap",
+            "--harmonics",
+            "--k",
+            "0.1",
+            "--k",
+            "0.25",
+            "--out",
+            "h",
+        ])
+        .exits(0);
+    let summary = folder.json("h/harmonics.json");
+    for (n, omega) in [(1, 40.0), (2, 100.0)] {
+        let row = &summary[n];
+        near(&row["omega_rad_s"], omega, 1e-9);
+        near(&row["cl"][0], 3.0, 2e-3);
+        near(&row["cl"][1], 0.002 * omega, 2e-3);
+        near(&row["cm"][0], -1.2, 1e-3);
+        near(&row["cm"][1], 0.0, 1e-3);
+    }
+}

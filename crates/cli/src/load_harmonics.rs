@@ -5,7 +5,7 @@
 //! motion, the imaginary part a quarter of a cycle ahead of it.
 
 use dip_correct::HarmonicError;
-use dip_correct::harmonic::{self, Histories, Model};
+use dip_correct::harmonic::{self, Histories, Model, pulse};
 use dip_correct::reading::{Reading, Source};
 use dip_record::{Law, Recording};
 use num_complex::Complex64;
@@ -21,17 +21,17 @@ pub struct LoadHarmonics {
     pub further: Vec<(usize, [Complex64; 3])>,
 }
 
-/// The loads that go with a reading; none for pulses and ramps. `all` are the readings of the recording.
+/// The loads that go with a reading; those of a pulse or ramp are ratios of transforms, as its pressures are. `all` are the readings of the recording.
 ///
 /// # Errors
 /// Too short a record, or no motion.
 pub fn of(recording: &Recording, reading: &Reading, all: &[Reading]) -> Result<Option<LoadHarmonics>, HarmonicError> {
-    if reading.source != Source::Harmonic {
-        return Ok(None);
-    }
     let Some(coordinate) = recording.setup.motion.iter().position(|c| c.name == reading.name) else {
         return Ok(None);
     };
+    if reading.source != Source::Harmonic {
+        return transformed(recording, reading, coordinate);
+    }
     let multiples = multiples(&recording.setup.motion[coordinate].law, reading.omega_rad_s);
     let time_s: Vec<f64> = recording.steps.iter().map(|s| s.time_s).collect();
     let values: Vec<Vec<f64>> = recording
@@ -75,6 +75,27 @@ pub fn of(recording: &Recording, reading: &Reading, all: &[Reading]) -> Result<O
             .into_iter()
             .map(|n| Ok((n, answer(n)?)))
             .collect::<Result<_, _>>()?,
+    }))
+}
+
+fn transformed(
+    recording: &Recording,
+    reading: &Reading,
+    coordinate: usize,
+) -> Result<Option<LoadHarmonics>, HarmonicError> {
+    let steps = &recording.steps;
+    let time_s: Vec<f64> = steps.iter().map(|s| s.time_s).collect();
+    let values: Vec<Vec<f64>> = steps.iter().map(|s| vec![s.loads.cl, s.loads.cd, s.loads.cm]).collect();
+    let motion: Vec<f64> = steps.iter().map(|s| s.motion[coordinate].value).collect();
+    let histories = Histories {
+        time_s: &time_s,
+        values: &values,
+    };
+    let found = pulse::transfer(histories, &motion, &[reading.omega_rad_s])?;
+    Ok(found.first().zip(values.first()).map(|(t, start)| LoadHarmonics {
+        mean: [start[0], start[1], start[2]],
+        first: [t.ratio[0], t.ratio[1], t.ratio[2]],
+        further: Vec::new(),
     }))
 }
 

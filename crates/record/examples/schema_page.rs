@@ -184,7 +184,13 @@ nanoseconds from 0; every message of a step also carries its instant `time_s` in
 
 Chunks end after a fixed number of steps (5 by default) and are then with the operating system: a killed run loses at most the
 steps since. Metadata and one chunk with the channels, the surface and the shapes of modes come first. Chunks, data section and
-index have checksums; metadata have one of their own, so that they can be trusted in a file without an end.
+index have checksums; metadata have one of their own, so that they can be trusted in a file without an end. With every restart
+file the recording is forced to the disk.
+
+Files that other programs wrote or rewrote are read too: packed by zstd, lz4 or not at all, with or without chunks, index, statistics and
+checksums, messages in any order, other channels beside ours. The sequence number of a message may be 0; the log time must be
+the instant, to a nanosecond. A finished file may leave `dip.check` and the profile out. `dip doctor` names channels with another
+schema or encoding, messages that stand there twice (alike: one is taken; contradicting: the step is lost), and missing steps.
 
     dip info FILE       what it holds
     dip export FILE     as tables, JSON, ParaView files, or first harmonics

@@ -200,7 +200,7 @@ pub fn lann(folder: &Path) -> Outcome<String> {
         k: 0.204,
         amplitude_deg: 0.25,
         chord: 0.3606,
-        area: 0.2526,
+        area: 0.2527,
         axis: 0.62,
     };
     let names = Names {

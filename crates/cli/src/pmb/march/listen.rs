@@ -57,7 +57,7 @@ impl Listener {
             convergence: Convergence {
                 // The mean position is a steady flow.
                 converged: step.outcome.converged || step.number == 0,
-                ..convergence(&step.outcome)
+                ..convergence(step.outcome)
             },
             shape_m: None,
         };
