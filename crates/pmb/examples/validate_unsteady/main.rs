@@ -140,7 +140,11 @@ fn limit(_: &Path) -> Outcome<String> {
     .map(mesh);
     let (thin, fine, thick) = (thin?, fine?, thick?);
     let mut text = String::from(
-        "| Mach | k | section, points | CL | amplitude, % | phase, deg | CM | amplitude, % | phase, deg | CM off, % of CL c/4 |\n\
+        "What thickness and grid do to the moment, pitch at Mach 0.5. The last row takes both to their limits at once: second order\n\
+         in the grid (321 x 65 plus a third of its difference from 161 x 33), first order in the thickness (2 % less its\n\
+         difference from 4 %). The last column is the moment's error as a part of the lift times a quarter of the chord: as a\n\
+         shift of the centre of pressure in per cent of c/4.\n\n\
+         | Mach | k | section, points | CL | amplitude, % | phase, deg | CM | amplitude, % | phase, deg | CM off, % of CL c/4 |\n\
          |---|---|---|---|---|---|---|---|---|---|\n",
     );
     for k in [0.1, 0.5] {
@@ -177,6 +181,7 @@ fn limit(_: &Path) -> Outcome<String> {
         }
         eprintln!("limit, k {k}: done");
     }
+    text += "\n";
     Ok(text)
 }
 
@@ -422,9 +427,7 @@ fn ct6(folder: &Path) -> Outcome<String> {
 
 /// The page: what each part shows, its table as last computed, its figures.
 fn page(folder: &Path) -> Outcome<()> {
-    let table = |name: &str| {
-        fs::read_to_string(folder.join(format!("{name}.md"))).unwrap_or_else(|_| "not yet run\n".to_owned())
-    };
+    let table = |name: &str| fs::read_to_string(folder.join(format!("{name}.md"))).unwrap_or_default();
     let text = format!(
         "# Unsteady Euler flow\n\n\
          Made by `cargo run --release -p dip-pmb --example validate_unsteady`; what is exact is tested in\n\
@@ -440,10 +443,7 @@ fn page(folder: &Path) -> Outcome<()> {
          collocation. CM about the quarter chord: near the aerodynamic centre it is a small difference of large loads, a few per\n\
          cent of the lift, and thickness moves that centre; its relative errors are to be read with that in mind.\n\n{}\n\
          ![Amplitude and phase](thin.svg)\n\n\
-         What thickness and grid do to the moment, pitch at Mach 0.5. The last row takes both to their limits at once: second order\n\
-         in the grid (321 x 65 plus a third of its difference from 161 x 33), first order in the thickness (2 % less its\n\
-         difference from 4 %). The last column is the moment's error as a part of the lift times a quarter of the chord: as a\n\
-         shift of the centre of pressure in per cent of c/4.\n\n{}\n\
+         {}\
          ## NACA 0012, AGARD CT3\n\n\
          Mach 0.600, 4.86 + 2.44 sin(omega t) degrees about the quarter chord, k 0.0810. Experiment: AGARD R-702 data set 3 (Landon) as\n\
          distributed with CFL3D. The experiment has Re 4.8e6 and a shock at the highest incidence that its boundary layer feels;\n\
@@ -473,7 +473,16 @@ fn page(folder: &Path) -> Outcome<()> {
         table("lann"),
         table("motions"),
     );
-    fs::write(folder.join("README.md"), text)?;
+    // A figure of a part that has never been run is left out.
+    let is_there = |line: &&str| {
+        let figure = line
+            .strip_prefix("![")
+            .and_then(|l| l.split_once("]("))
+            .map(|(_, f)| f.trim_end_matches(')'));
+        figure.is_none_or(|f| folder.join(f).exists())
+    };
+    let lines: Vec<&str> = text.lines().filter(is_there).collect();
+    fs::write(folder.join("README.md"), lines.join("\n") + "\n")?;
     Ok(())
 }
 
