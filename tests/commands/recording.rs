@@ -367,6 +367,7 @@ fn a_pulse_has_loads_at_every_frequency_asked() {
     const DURATION_S: f64 = 0.04;
     let folder = Folder::new();
     let mut setup = setup();
+    let at_rest = step(&setup, 0);
     setup.references.steps_per_cycle = None;
     setup.references.time_step_s = STEP_S;
     setup.motion[0].law = Law::Pulse {
@@ -386,7 +387,7 @@ fn a_pulse_has_loads_at_every_frequency_asked() {
         } else {
             (0.0, 0.0)
         };
-        let mut now = step(&setup, 0);
+        let mut now = at_rest.clone();
         now.number = n;
         now.time_s = time_s;
         now.motion[0].value = value;
