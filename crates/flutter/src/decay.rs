@@ -12,6 +12,7 @@
 //! white noise and gives standard errors, from which follows how sure the sign of each damping is.
 
 mod limit_cycle;
+mod noise;
 mod projection;
 mod subspace;
 mod watch;

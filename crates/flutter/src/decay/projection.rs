@@ -3,6 +3,8 @@
 use faer::linalg::solvers::{Solve, SolveLstsq};
 use faer::{Mat, c64};
 
+use super::noise::Noise;
+
 /// The separable least-squares problem: poles are nonlinear, amplitudes and offsets linear.
 pub(super) struct Projection<'a> {
     pub poles: Vec<c64>,
@@ -177,37 +179,53 @@ impl<'a> Projection<'a> {
             .collect()
     }
 
-    /// sqrt of the diagonal of s^2 (J^T J)^-1; s^2 from the rest and its degrees of freedom, times (1 + r)/(1 - r) for rests
-    /// with correlation r from sample to sample (model errors are not white).
+    /// Standard errors of sigma and omega of every pole.
+    ///
+    /// Exponentials that hold less than what the fit leaves cannot be told from noise: the subspace step finds a few
+    /// in noise that is not white. Their motion counts as noise, or the noise would seem smaller than it is.
     fn standard_errors(&self) -> Vec<(f64, f64)> {
-        let (n, channels) = (self.samples(), self.data.len());
         let (q, ..) = self.project(&self.poles);
         let jacobian = self.jacobian(&q);
-        let normal = jacobian.transpose() * &jacobian;
-        let unknowns = self.parameter_count() + self.linear.nrows() * channels;
-        let freedom = (n * channels).saturating_sub(unknowns).max(1) as f64;
-        let (mut product, mut square) = (0.0, f64::MIN_POSITIVE);
-        for c in 0..channels {
-            for i in 1..n {
-                product += self.rest[(i, c)] * self.rest[(i - 1, c)];
-                square += self.rest[(i, c)] * self.rest[(i, c)];
-            }
-        }
-        let correlation = (product / square).clamp(0.0, 0.98);
-        let variance = self.sum_of_squares / freedom * (1.0 + correlation) / (1.0 - correlation);
-        let inverse = inverse_diagonal(&normal);
-        let mut column = 0;
+        let sizes = self.sizes();
+        let clear = |(size, _): &(f64, c64)| *size > self.sum_of_squares;
+        let poles: Vec<c64> = sizes
+            .into_iter()
+            .zip(self.poles.iter().copied())
+            .filter(clear)
+            .map(|(_, p)| p)
+            .collect();
+        let noise = if poles.is_empty() || poles.len() == self.poles.len() {
+            Noise::behind(self.rest.as_ref(), q.as_ref(), jacobian.as_ref())
+        } else {
+            let fewer = Self::new(poles, self.data, self.dt_s, self.offset);
+            let (q, ..) = fewer.project(&fewer.poles);
+            Noise::behind(fewer.rest.as_ref(), q.as_ref(), fewer.jacobian(&q).as_ref())
+        };
+        let mut errors = noise.standard_errors(jacobian.as_ref()).into_iter();
+        let mut next = || errors.next().unwrap_or(f64::INFINITY);
+        self.poles
+            .iter()
+            .map(|p| (next(), if p.im == 0.0 { 0.0 } else { next() }))
+            .collect()
+    }
+
+    /// Sum of squares of the motion of each pole alone, over all channels.
+    fn sizes(&self) -> Vec<f64> {
+        let mut place = 0;
         self.poles
             .iter()
             .map(|p| {
-                let sigma = (variance * inverse[column]).sqrt();
-                let omega = if p.im == 0.0 {
-                    0.0
-                } else {
-                    (variance * inverse[column + 1]).sqrt()
-                };
-                column += if p.im == 0.0 { 1 } else { 2 };
-                (sigma, omega)
+                let oscillating = p.im != 0.0;
+                let mut size = 0.0;
+                for c in 0..self.data.len() {
+                    let b = if oscillating { -self.linear[(place + 1, c)] } else { 0.0 };
+                    let a = c64::new(self.linear[(place, c)], b);
+                    size += (0..self.samples())
+                        .map(|i| (a * (*p * (i as f64 * self.dt_s)).exp()).re.powi(2))
+                        .sum::<f64>();
+                }
+                place += if oscillating { 2 } else { 1 };
+                size
             })
             .collect()
     }
@@ -228,19 +246,4 @@ fn solve_damped(normal: &Mat<f64>, gradient: &Mat<f64>, damping: f64) -> Mat<f64
             }
     });
     damped.partial_piv_lu().solve(gradient)
-}
-
-/// Diagonal of N^-1 (infinite where N is singular).
-fn inverse_diagonal(normal: &Mat<f64>) -> Vec<f64> {
-    let n = normal.nrows();
-    let inverse = normal.partial_piv_lu().solve(&Mat::<f64>::identity(n, n));
-    (0..n)
-        .map(|i| {
-            if inverse[(i, i)] > 0.0 {
-                inverse[(i, i)]
-            } else {
-                f64::INFINITY
-            }
-        })
-        .collect()
 }
