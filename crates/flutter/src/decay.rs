@@ -25,7 +25,7 @@ use crate::error::{FlutterError, Result, check_value};
 pub use limit_cycle::{LimitCycle, limit_cycle};
 use projection::Projection;
 use subspace::subspace;
-pub use watch::{Reading, Watch, WatchSettings, WatchedMode};
+pub use watch::{Growth, Reading, Watch, WatchSettings, WatchedMode};
 
 /// How a record is analysed. The defaults suit a march of one to ten cycles.
 #[derive(Debug, Clone, PartialEq)]
@@ -69,13 +69,24 @@ pub struct DecayMode {
     pub energy: f64,
 }
 
+/// A motion of a record that does not oscillate.
+#[derive(Debug, Clone, PartialEq)]
+pub struct DecayRoot {
+    /// Rate, 1/s; above zero it grows.
+    pub rate_1_s: f64,
+    /// Its standard error, 1/s.
+    pub rate_error_1_s: f64,
+    /// Amplitude of each channel at the first sample.
+    pub amplitude: Vec<f64>,
+}
+
 /// What a record holds.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DecayFit {
     /// Oscillating modes, most energy first.
     pub modes: Vec<DecayMode>,
-    /// Rates of non-oscillating exponentials, 1/s.
-    pub real_rates_1_s: Vec<f64>,
+    /// Exponentials that do not oscillate.
+    pub roots: Vec<DecayRoot>,
     /// Offset of each channel.
     pub offsets: Vec<f64>,
     /// Rms of what the fit leaves over the rms of the record, channels scaled to their rms.
@@ -130,12 +141,20 @@ fn identify_here(histories: &[Vec<f64>], dt_s: f64, settings: &DecaySettings) ->
     let total: f64 = scaled.iter().flatten().map(|v| v * v).sum();
 
     let mut modes = Vec::new();
-    let mut real_rates_1_s = Vec::new();
+    let mut roots = Vec::new();
     let mut place = 0;
     for (index, pole) in fit.poles.iter().enumerate() {
         let (sigma_error, omega_error) = errors.as_ref().map_or((f64::INFINITY, f64::INFINITY), |e| e[index]);
         if pole.im == 0.0 {
-            real_rates_1_s.push(pole.re);
+            let mut amplitude = vec![0.0; histories.len()];
+            for (row, &c) in channels.iter().enumerate() {
+                amplitude[c] = fit.linear[(place, row)] * scales[c];
+            }
+            roots.push(DecayRoot {
+                rate_1_s: pole.re,
+                rate_error_1_s: sigma_error,
+                amplitude,
+            });
             place += 1;
             continue;
         }
@@ -175,7 +194,7 @@ fn identify_here(histories: &[Vec<f64>], dt_s: f64, settings: &DecaySettings) ->
     }
     Ok(DecayFit {
         modes,
-        real_rates_1_s,
+        roots,
         offsets,
         residual: (fit.sum_of_squares / total).sqrt(),
         singular_values,

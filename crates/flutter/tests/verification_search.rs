@@ -202,21 +202,36 @@ fn damping_is_known_after_one_to_three_cycles_and_right() {
         let mode = &reading.modes[0];
         assert!((mode.g - g).abs() < 1.5 * needed, "{g}: {mode:?}");
         assert!((mode.freq_hz - 14.0).abs() < 0.05, "{g}: {mode:?}");
-        assert!(reading.growth_1_s.is_none(), "{g}: {reading:?}");
+        assert!(reading.growth.is_none(), "{g}: {reading:?}");
     }
 }
 
 #[test]
-fn growth_without_oscillation_is_seen() {
+fn growth_without_oscillation_is_seen_and_known() {
     let dt = 1.0 / 14.0 / 40.0;
+    let mut watch = Watch::new(WatchSettings::new(dt, vec![10.0 * TAU, 38.0 * TAU], vec![1.0, 1.0])).unwrap();
+    let mut known = None;
+    for n in 0..100 {
+        let t = n as f64 * dt;
+        let [a, b] = sample(-0.1, n, dt);
+        let reading = watch.push(&[a + 0.2 * (12.0 * t).exp(), b - 0.05 * (12.0 * t).exp()]);
+        known = known.or(reading.filter(|r| r.known && r.growth.is_some()).map(|_| n));
+    }
+    let growth = watch.reading().unwrap().growth.unwrap();
+    assert!((growth.rate_1_s - 12.0).abs() < 0.5, "{growth:?}");
+    assert!(
+        (growth.rate_1_s - 12.0).abs() < 3.0 * growth.rate_error_1_s,
+        "{growth:?}"
+    );
+    assert!(known.is_some());
+    // A drift that dies out is none.
     let mut watch = Watch::new(WatchSettings::new(dt, vec![10.0 * TAU, 38.0 * TAU], vec![1.0, 1.0])).unwrap();
     for n in 0..100 {
         let t = n as f64 * dt;
         let [a, b] = sample(-0.1, n, dt);
-        watch.push(&[a + 0.2 * (12.0 * t).exp(), b - 0.05 * (12.0 * t).exp()]);
+        watch.push(&[a + 0.2 * (-12.0 * t).exp(), b]);
     }
-    let growth = watch.reading().unwrap().growth_1_s.unwrap();
-    assert!((growth - 12.0).abs() < 0.5, "{growth}");
+    assert_eq!(watch.reading().unwrap().growth, None);
 }
 
 #[test]

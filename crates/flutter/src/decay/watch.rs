@@ -66,6 +66,17 @@ pub struct WatchedMode {
     pub amplitude: Vec<c64>,
 }
 
+/// Growth without oscillation, clear of the noise.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Growth {
+    /// Rate, 1/s.
+    pub rate_1_s: f64,
+    /// Standard error of the rate: the fit's, or half its change since the last reading where that is more.
+    pub rate_error_1_s: f64,
+    /// Part of the record's mean energy.
+    pub energy: f64,
+}
+
 /// What a march shows so far.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Reading {
@@ -73,11 +84,11 @@ pub struct Reading {
     pub samples: usize,
     /// Modes that hold enough energy, least stable first.
     pub modes: Vec<WatchedMode>,
-    /// Largest rate of growth without oscillation, 1/s, if there is growth; the structure diverges if it lasts.
-    pub growth_1_s: Option<f64>,
+    /// The fastest growth without oscillation: the structure diverges.
+    pub growth: Option<Growth>,
     /// Part of the record that the fit leaves.
     pub residual: f64,
-    /// True if the damping of the least stable mode is known as well as asked.
+    /// True if the damping of the least stable mode, or the rate of divergence, is known as well as asked.
     pub known: bool,
 }
 
@@ -150,20 +161,26 @@ impl Watch {
             let x = 2.0 * sigma * duration;
             if x.abs() < 1e-6 { 1.0 } else { x.exp_m1() / x }
         };
+        // Mean energy of an exponential: kinetic and elastic, half of it where it oscillates.
+        let energy = |rate: c64, squares: &mut dyn Iterator<Item = f64>| -> f64 {
+            let part = if rate.im == 0.0 { 0.5 } else { 0.25 };
+            let size: f64 = squares
+                .zip(s.omega_rad_s.iter().zip(&s.mass_kg))
+                .map(|(a, (w, m))| part * m * (w * w + rate.norm_sqr()) * a)
+                .sum();
+            size * growth(rate.re)
+        };
         let energies: Vec<f64> = fit
             .modes
             .iter()
-            .map(|mode| {
-                let size: f64 = mode
-                    .amplitude
-                    .iter()
-                    .zip(s.omega_rad_s.iter().zip(&s.mass_kg))
-                    .map(|(a, (w, m))| 0.25 * m * (w * w + mode.p_rad_s.norm_sqr()) * a.norm_sqr())
-                    .sum();
-                size * growth(mode.p_rad_s.re)
-            })
+            .map(|mode| energy(mode.p_rad_s, &mut mode.amplitude.iter().map(|a| a.norm_sqr())))
             .collect();
-        let total: f64 = energies.iter().sum();
+        let drifts: Vec<f64> = fit
+            .roots
+            .iter()
+            .map(|root| energy(c64::new(root.rate_1_s, 0.0), &mut root.amplitude.iter().map(|a| a * a)))
+            .collect();
+        let total: f64 = energies.iter().chain(&drifts).sum();
         let mut modes: Vec<WatchedMode> = fit
             .modes
             .iter()
@@ -188,21 +205,36 @@ impl Watch {
             })
             .collect();
         modes.sort_by(|a, b| b.g.total_cmp(&a.g));
-        let known = modes.first().is_some_and(|m| {
+        let before = self.last.as_ref().and_then(|r| r.growth);
+        let grown = fit
+            .roots
+            .iter()
+            .zip(&drifts)
+            .map(|(root, e)| Growth {
+                rate_1_s: root.rate_1_s,
+                rate_error_1_s: before.map_or(root.rate_error_1_s, |b| {
+                    root.rate_error_1_s.max(0.5 * (b.rate_1_s - root.rate_1_s).abs())
+                }),
+                energy: e / total,
+            })
+            // A drift that has not grown by e within the record may be the beginning of anything.
+            .filter(|g| g.rate_1_s * duration >= 1.0 && g.rate_1_s > 3.0 * g.rate_error_1_s)
+            .filter(|g| g.energy >= s.least_energy)
+            .max_by(|a, b| a.rate_1_s.total_cmp(&b.rate_1_s));
+        let lowest = s.omega_rad_s.iter().copied().fold(f64::INFINITY, f64::min) / std::f64::consts::TAU;
+        let diverges = grown.is_some_and(|g| {
+            before.is_some() && g.rate_error_1_s < s.relative * g.rate_1_s && duration * lowest >= s.least_cycles
+        });
+        let settled = modes.first().is_some_and(|m| {
             let needed = s.accuracy.max(s.relative * m.g.abs());
             m.g_error < needed && duration * m.freq_hz >= s.least_cycles
         });
         Reading {
             samples,
-            growth_1_s: fit
-                .real_rates_1_s
-                .iter()
-                .copied()
-                .filter(|r| *r > 0.0)
-                .max_by(f64::total_cmp),
+            growth: grown,
             residual: fit.residual,
             modes,
-            known,
+            known: settled || diverges,
         }
     }
 }
