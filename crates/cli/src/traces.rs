@@ -10,6 +10,9 @@ pub struct MachCurves {
     pub mach: f64,
     /// Name of the method.
     pub method: String,
+    /// Density at which the speeds are, kg/m^3 (a march: to which its equivalent speeds refer); none where it varies.
+    #[serde(default)]
+    pub density_kg_m3: Option<f64>,
     /// One for each mode; lag roots are left out.
     pub modes: Vec<ModeTrace>,
     /// Onsets of instability.
@@ -64,10 +67,17 @@ impl MachCurves {
         Self {
             mach: solution.mach,
             method: solution.method.name().to_owned(),
+            density_kg_m3: the_one(solution.modes.iter().flat_map(|m| &m.points).map(|p| p.density_kg_m3)),
             modes: modes.collect(),
             crossings: onsets.collect(),
         }
     }
+}
+
+/// The value that all have, if they all have the same.
+fn the_one(mut values: impl Iterator<Item = f64>) -> Option<f64> {
+    let first = values.next()?;
+    values.all(|v| v == first).then_some(first)
 }
 
 /// Mode shapes on the structure's nodes.

@@ -353,19 +353,12 @@ fn deformation(page: &mut String, full: bool) -> Outcome<()> {
         | grid | nodes | wall nodes | volume, smallest | largest | first step | beyond the turn | fields, s | step, ms |\n\
         |---|---|---|---|---|---|---|---|---|"
     );
-    let mut names = vec![
-        "agard445_oo_coarsest",
-        "agard445_oo_coarse",
-        "agard445_oo_medium",
-        "agard445_ch_coarsest",
-        "agard445_ch_coarse",
-        "agard445_ch_euler",
-        "agard445_ch_medium",
-    ];
-    if full {
-        names.extend(["agard445_oo", "agard445_ch"]);
-    }
-    for name in names {
+    for name in agard_recipes()? {
+        // Two million nodes take a while.
+        if !full && ["agard445_oo", "agard445_ch"].contains(&name.as_str()) {
+            continue;
+        }
+        let name = name.as_str();
         let base = grid(name)?;
         let wall = MovingWall::new(&base, |p| p.name == "wing")?;
         let shape: Vec<Vector3<f64>> = wall.points().into_iter().map(bend_and_twist).collect();
@@ -399,6 +392,21 @@ fn deformation(page: &mut String, full: bool) -> Outcome<()> {
         }
     }
     Ok(())
+}
+
+/// Every AGARD 445.6 recipe that is shipped, by name.
+fn agard_recipes() -> Outcome<Vec<String>> {
+    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../../meshes");
+    let mut names = Vec::new();
+    for entry in std::fs::read_dir(folder)? {
+        let path = entry?.path();
+        let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+        if name.starts_with("agard445") && path.extension().is_some_and(|e| e == "toml") {
+            names.push(name);
+        }
+    }
+    names.sort();
+    Ok(names)
 }
 
 /// The plane of the C-H grid nearest to 93 % of the semispan, before and after.

@@ -249,6 +249,59 @@ fn two_dimensional_grids_move_alike_on_both_sides() {
 }
 
 #[test]
+fn the_boundary_layer_of_viscous_grids_keeps_its_spacing_and_its_right_angles() {
+    // First step about 1e-6 of the chord. Pitch by 5 degrees about the quarter chord and camber of 5 % of the chord.
+    for name in ["naca0012_viscous.toml", "agard445_ch_coarse.toml"] {
+        let grid = recipe(name);
+        let wall = MovingWall::new(&grid, |p| p.condition.is_wall()).unwrap();
+        let shape: Vec<Vector3<f64>> = if grid.is_two_dimensional() {
+            let pitch = 5.0_f64.to_radians();
+            let bend = |x: f64| 0.2 * x * (1.0 - x) - pitch * (x - 0.25);
+            let slope = |x: f64| 0.2 * (1.0 - 2.0 * x) - pitch;
+            let at = |p: Vector3<f64>| Vector3::new(-slope(p.x) * p.z, 0.0, bend(p.x));
+            wall.points().into_iter().map(at).collect()
+        } else {
+            wall.points().into_iter().map(bend_and_twist).collect()
+        };
+        let modes = GridModes::new(&grid, &wall, &[shape], None).unwrap();
+        let moved_by = |q: f64| {
+            let mut moved = grid.clone();
+            modes.displace(&grid, &[q], &mut moved).unwrap();
+            moved
+        };
+        let whole = moved_by(1.0);
+        volume_change(&grid, &whole).unwrap_or_else(|e| panic!("{name}: {e}"));
+        // Beyond the turn, which lengthens by half its square: from a thousandth of the displacement, scaled up.
+        let little = moved_by(1e-3);
+        let first = spacing_change(&grid, &little, 1) / 1e-3;
+        let layers = spacing_change(&grid, &little, 8) / 1e-3;
+        let tilt = tilt_change(&grid, &little) / 1e-3;
+        println!("{name}: first step {first:.1e}, eight layers {layers:.1e}, angle to the wall {tilt:.1e} rad");
+        assert!(first < 2e-4, "{name}: {first}");
+        assert!(layers < 5e-3, "{name}: {layers}");
+        assert!(tilt < 1e-2, "{name}: {tilt}");
+    }
+}
+
+/// Largest change of the angle between the wall's grid lines and the first step off it, rad.
+fn tilt_change(base: &MultiBlock, moved: &MultiBlock) -> f64 {
+    let mut worst = 0.0_f64;
+    for patch in base.topology.patches.iter().filter(|p| p.condition.is_wall()) {
+        for q in patch.window.lo[1]..=patch.window.hi[1] {
+            for p in patch.window.lo[0]..patch.window.hi[0] {
+                let angle = |grid: &MultiBlock| {
+                    let block = &grid.blocks[patch.block];
+                    let at = |p: usize, d: usize| Vector3::from(block.point_at(block.node_behind(patch.face, p, q, d)));
+                    (at(p, 1) - at(p, 0)).angle(&(at(p + 1, 0) - at(p, 0)))
+                };
+                worst = worst.max((angle(moved) - angle(base)).abs());
+            }
+        }
+    }
+    worst
+}
+
+#[test]
 fn the_number_of_threads_changes_no_bit() {
     let grid = recipe(GRIDS[1]);
     let one = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();

@@ -4,7 +4,7 @@
 mod published;
 mod support;
 
-use dip_modal::{Attachment, ConstantVolume, StructuralSurface, ThicknessRule, Transfer, TransferError};
+use dip_modal::{Attachment, ConstantVolume, MovingWall, StructuralSurface, ThicknessRule, Transfer, TransferError};
 use nalgebra::{Rotation3, Vector3};
 use published::{agard_wing, yates};
 
@@ -235,6 +235,33 @@ fn blending_is_continuous_where_the_overhang_passes_from_triangle_to_triangle() 
         "{}",
         steepest(Attachment::Nearest)
     );
+}
+
+#[test]
+fn facets_of_the_structure_on_the_wall_are_measured() {
+    let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../meshes/agard445_ch_euler.toml");
+    let grid = dip_grid::recipe::make(&path).unwrap();
+    let wall = MovingWall::new(&grid, |p| p.condition.is_wall()).unwrap();
+    // Four nodes along the span: facets larger than the faces of the wall.
+    let nodes: Vec<_> = (0..=4)
+        .flat_map(|j| (0..=4).map(move |i| (0.25 * f64::from(i), 0.25 * f64::from(j))))
+        .map(|(s, y)| Vector3::new(0.8094 * y + s * (0.5587 - 0.1905 * y), 0.762 * y, 0.0))
+        .collect();
+    let surface = StructuralSurface::triangulate(&nodes).unwrap();
+    let kink = |attachment, motion: &dyn Fn(&Vector3<f64>) -> Vector3<f64>| {
+        let transfer = Transfer::new(&surface, &wall.points(), attachment).unwrap();
+        let shape = transfer
+            .displacements(&nodes.iter().map(motion).collect::<Vec<_>>())
+            .unwrap();
+        wall.largest_kink(&shape, 1e-3)
+    };
+    // A translation has none, a bent plate has its own curvature, and single triangles add their edges to it.
+    let shift = kink(Attachment::Blended, &|_| Vector3::new(0.0, 0.0, 1.0));
+    assert!(shift < 1e-12, "{shift}");
+    let bend = |p: &Vector3<f64>| Vector3::new(0.0, 0.0, p.y * p.y);
+    let [nearest, blended] = BOTH.map(|a| kink(a, &bend));
+    println!("largest kink: nearest {nearest:.2e}, blended {blended:.2e} rad");
+    assert!(blended < 0.7 * nearest, "{blended} {nearest}");
 }
 
 #[test]

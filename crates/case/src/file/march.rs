@@ -2,9 +2,9 @@
 
 use super::flutter::{ModesTable, ReferenceTable};
 use super::mesh::MeshTable;
-use super::pitch::TimeTable;
+use super::pitch::{Amount, TimeTable};
 use super::steady::{FlowTable, LoadReferenceTable, PatchTable, SteadyTable};
-use crate::units::{Density, Frequency, Length};
+use crate::units::{Frequency, Length};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -13,7 +13,7 @@ use std::collections::BTreeMap;
 #[derive(Debug, Clone, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct MarchFile {
-    /// Free stream: `speed` and `density` are needed; a search starts at this density.
+    /// Free stream: `speed` and `density` are needed, and a search starts there; in a search of the altitude they follow from it.
     pub flow: FlowTable,
     /// The grid, where every generalized coordinate is zero.
     pub mesh: MeshTable,
@@ -24,7 +24,7 @@ pub struct MarchFile {
     /// The march.
     #[serde(default)]
     pub march: MarchTable,
-    /// Search of the flutter point; without it there is one run at the density of `[flow]`.
+    /// Search of the flutter point; without it there is one run at the stream of `[flow]`.
     pub search: Option<SearchTable>,
     /// Reference quantities of the flutter speed index.
     pub speed_index: Option<ReferenceTable>,
@@ -49,12 +49,13 @@ pub struct MarchTable {
     pub steps_per_cycle: Option<usize>,
     /// Periods of `frequency` after which a run ends in any case; 8 if left out.
     pub cycles: Option<usize>,
-    /// Mode that is given an initial velocity, from 1; the first if left out.
-    pub start_mode: Option<usize>,
+    /// Mode that is given an initial velocity, from 1, or `"all"` for a pulse that gives every mode the same energy; the first if left out.
+    pub start_mode: Option<StartMode>,
     /// The displacement that this velocity would make without air; a thousandth of the semispan (or of twice the reference chord) if left out.
     pub start_displacement: Option<Length>,
-    /// Viscous damping of each mode as a fraction of critical; none if left out.
-    pub damping: Option<f64>,
+    /// Viscous damping of the modes as a fraction of critical: one number for all, or a list with one for each; none if left out.
+    /// A structural damping g is g/2 here.
+    pub damping: Option<ModalDamping>,
     /// How flow and structure exchange forces and motion.
     #[serde(default)]
     pub coupling: CouplingKind,
@@ -64,6 +65,34 @@ pub struct MarchTable {
     /// Go on for all cycles, even when the damping is known.
     #[serde(default)]
     pub all_cycles: bool,
+}
+
+/// What the initial velocity is given to.
+#[derive(Debug, Clone, PartialEq, Eq, Deserialize, JsonSchema)]
+#[serde(untagged)]
+pub enum StartMode {
+    /// One mode, from 1.
+    One(usize),
+    /// By a word.
+    Word(StartWord),
+}
+
+/// Words for what the initial velocity is given to.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum StartWord {
+    /// A pulse in all modes.
+    All,
+}
+
+/// Damping of the modes.
+#[derive(Debug, Clone, PartialEq, Deserialize, JsonSchema)]
+#[serde(untagged)]
+pub enum ModalDamping {
+    /// The same in all modes.
+    Same(f64),
+    /// One value for each mode.
+    Each(Vec<f64>),
 }
 
 /// How flow and structure exchange forces and motion.
@@ -88,18 +117,38 @@ pub enum StructureScheme {
     RungeKutta,
     /// Newmark's trapezoidal rule.
     Newmark,
+    /// Generalized-alpha: as Newmark's rule, with damping of modes that the step does not resolve (down to 0.8 a step).
+    GeneralizedAlpha,
 }
 
-/// Search of the flutter point: the density at which the least stable mode has no damping, at fixed Mach number and speed.
+/// Search of the flutter point: the density, speed or altitude at which the least stable mode has no damping, at fixed Mach number.
 #[derive(Debug, Clone, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SearchTable {
-    /// Smallest density; a fifth of that of `[flow]` if left out.
-    pub from: Option<Density>,
-    /// Largest density; five times that of `[flow]` if left out.
-    pub to: Option<Density>,
-    /// Relative standard error of the density at which the search ends; 0.01 (half a per cent in speed) if left out.
+    /// What is varied.
+    #[serde(default)]
+    pub parameter: SearchParameter,
+    /// First value; that of `[flow]` if left out (of the altitude: where standard air has the density of `[flow]`).
+    pub first: Option<Amount>,
+    /// Smallest value, such as `"0.05 kg/m^3"`, `"150 m/s"` or `"2 km"`; a fifth of the first density (or dynamic pressure) if left out.
+    pub from: Option<Amount>,
+    /// Largest value; five times the first density (or dynamic pressure) if left out.
+    pub to: Option<Amount>,
+    /// Relative standard error of the density (or speed) at which the search ends; 0.01 if left out.
     pub tolerance: Option<f64>,
     /// Runs at most; 8 if left out.
     pub runs: Option<usize>,
+}
+
+/// What a search varies at fixed Mach number.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize, Serialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum SearchParameter {
+    /// The density, at the speed of `[flow]`, as in a tunnel.
+    #[default]
+    Density,
+    /// The speed, at the density of `[flow]`; the sound speed follows from the Mach number.
+    Speed,
+    /// The altitude in the standard atmosphere, which gives density and, by the Mach number, speed: a matched point.
+    Altitude,
 }

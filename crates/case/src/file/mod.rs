@@ -15,7 +15,10 @@ pub use flutter::{
     Approximation, ControlSurfaceTable, FlutterFile, FlutterTable, KernelKind, LatticeTable, Method, ModesTable,
     Points, ReferenceTable, Search, SplineKind, SplineTable, SurfaceTable, Symmetry,
 };
-pub use march::{CouplingKind, MarchFile, MarchTable, SearchTable, StructureScheme};
+pub use march::{
+    CouplingKind, MarchFile, MarchTable, ModalDamping, SearchParameter, SearchTable, StartMode, StartWord,
+    StructureScheme,
+};
 pub use mesh::MeshTable;
 pub use pitch::{Amount, HarmonicTable, MotionKind, MotionLaw, MotionTable, PitchFile, TimeSchemeKind, TimeTable};
 pub use steady::{

@@ -2,7 +2,7 @@
 
 use crate::exit::Stop;
 use dip_grid::MultiBlock;
-use dip_modal::{Attachment, GridModes, Modes, MovingWall, StructuralSurface, Transfer};
+use dip_modal::{Attachment, GridModes, Modes, MovingWall, StructuralSurface, Transfer, TransferCheck};
 use dip_pmb::moving::Nodes;
 use nalgebra::Vector3;
 
@@ -19,15 +19,26 @@ pub struct Deformation {
 /// # Errors
 /// What the transfer or the deformation refuses.
 pub fn of_modes(grid: &MultiBlock, modes: &Modes, count: usize) -> Result<Deformation, Stop> {
-    let fields = nodes(grid, &grid_modes(grid, modes, count)?);
+    let fields = nodes(grid, &on_grid(grid, modes, count)?.modes);
     Ok(Deformation { fields })
+}
+
+/// Modes on a grid with the wall that carries them and what an inspection of the transfer found.
+#[derive(Debug)]
+pub struct OnGrid {
+    /// Displacement fields.
+    pub modes: GridModes,
+    /// The wall.
+    pub wall: MovingWall,
+    /// Rigid motion, balance, virtual work of the transfer.
+    pub check: TransferCheck,
 }
 
 /// As [`of_modes`], in the form that the march takes.
 ///
 /// # Errors
 /// As [`of_modes`].
-pub fn grid_modes(grid: &MultiBlock, modes: &Modes, count: usize) -> Result<GridModes, Stop> {
+pub fn on_grid(grid: &MultiBlock, modes: &Modes, count: usize) -> Result<OnGrid, Stop> {
     let wall = moving_wall(grid)?;
     let refuse = |e: &dyn std::fmt::Display| {
         Stop::input(
@@ -39,7 +50,11 @@ pub fn grid_modes(grid: &MultiBlock, modes: &Modes, count: usize) -> Result<Grid
     let transfer = Transfer::new(&surface, &wall.points(), Attachment::default()).map_err(|e| refuse(&e))?;
     let mut shapes = transfer.modes(modes).map_err(|e| refuse(&e))?;
     shapes.truncate(count);
-    spread(grid, &wall, &shapes)
+    Ok(OnGrid {
+        modes: spread(grid, &wall, &shapes)?,
+        check: transfer.check(),
+        wall,
+    })
 }
 
 /// Carries one shape, given as the displacement of a wall point, to the grid.

@@ -4,11 +4,12 @@ use super::curve::{BoundaryRow, CurveResult};
 use super::study::MarchCurve;
 use crate::exit::Stop;
 use crate::options::Common;
-use crate::pmb::march::{self, Summary};
+use crate::pmb::march::{self, ModeRow, Summary};
 use crate::progress::{Seconds, check_interrupt};
 use crate::stamp::Stamp;
 use crate::traces::{MachCurves, ModeTrace, Onset};
 use dip_case::file::CurveKind;
+use std::collections::BTreeMap;
 use std::path::Path;
 
 /// Computes a curve; its points go to folders of `folder`.
@@ -42,7 +43,7 @@ pub fn compute(
         stages: Vec::new(),
     };
     for point in &curve.points {
-        let [mach, speed, first] = *point;
+        let [mach, _, first] = *point;
         check_interrupt(&format!("finished points are in {}", folder.display()))?;
         let to = folder.join(format!("M{mach:.3}"));
         let document = curve.document(*point)?;
@@ -80,10 +81,9 @@ pub fn compute(
         result.boundary.push(BoundaryRow {
             mach,
             density_kg_m3: found.map_or(first, |p| p.density_kg_m3),
-            flutter_speed_m_s: found.map(|_| speed),
+            flutter_speed_m_s: found.map(|p| p.flutter_speed_m_s),
             flutter_frequency_hz: found.map(|p| p.flutter_frequency_hz),
-            // The index goes with the root of the density.
-            uncertainty: found.map(|p| 0.5 * p.density_error),
+            uncertainty: found.map(|p| p.speed_index_error),
             time_s: wall_s,
             cpu_s,
         });
@@ -91,36 +91,49 @@ pub fn compute(
     Ok(result)
 }
 
-/// Damping and frequency of the runs over the speed index's own abscissa: the speed at the first run's density that has the same
+/// Damping and frequency of all modes that the runs have read, over the speed at the first run's density that has the same
 /// dynamic pressure.
 fn damping(mach: f64, summary: &Summary) -> Option<MachCurves> {
     let first = summary.trials.first()?.density_kg_m3;
-    let speed = summary.speed_m_s;
-    let mut rows: Vec<(f64, f64, f64)> = summary
+    let equivalent = |speed: f64, density: f64| speed * (density / first).sqrt();
+    let mut rows: Vec<(f64, &ModeRow)> = summary
         .trials
         .iter()
-        .filter_map(|t| Some((speed * (t.density_kg_m3 / first).sqrt(), t.g?, t.frequency_hz?)))
+        .flat_map(|t| {
+            let at = equivalent(t.speed_m_s, t.density_kg_m3);
+            t.modes.iter().map(move |m| (at, m))
+        })
         .collect();
     rows.sort_by(|a, b| a.0.total_cmp(&b.0));
-    if rows.len() < 2 {
+    let mut traces: BTreeMap<usize, ModeTrace> = BTreeMap::new();
+    for (at, row) in rows {
+        let natural = summary.natural_frequencies_hz.get(row.mode.saturating_sub(1));
+        let trace = traces.entry(row.mode).or_insert_with(|| ModeTrace {
+            mode: row.mode,
+            natural_frequency_hz: natural.copied().unwrap_or(0.0),
+            speed_m_s: Vec::new(),
+            g: Vec::new(),
+            frequency_hz: Vec::new(),
+        });
+        trace.speed_m_s.push(at);
+        trace.g.push(row.g);
+        trace.frequency_hz.push(row.frequency_hz);
+    }
+    traces.retain(|_, t| t.g.len() > 1);
+    if traces.is_empty() {
         return None;
     }
     Some(MachCurves {
         mach,
         method: "march".to_owned(),
-        modes: vec![ModeTrace {
-            mode: 1,
-            natural_frequency_hz: summary.natural_frequencies_hz.first().copied().unwrap_or(0.0),
-            speed_m_s: rows.iter().map(|r| r.0).collect(),
-            g: rows.iter().map(|r| r.1).collect(),
-            frequency_hz: rows.iter().map(|r| r.2).collect(),
-        }],
+        density_kg_m3: Some(first),
+        modes: traces.into_values().collect(),
         crossings: summary
             .flutter
             .iter()
             .map(|p| Onset {
                 divergence: false,
-                speed_m_s: speed * (p.density_kg_m3 / first).sqrt(),
+                speed_m_s: equivalent(p.flutter_speed_m_s, p.density_kg_m3),
                 frequency_hz: p.flutter_frequency_hz,
             })
             .collect(),

@@ -3,6 +3,7 @@
 mod compare;
 mod corrected;
 mod curve;
+mod damping;
 mod doctor;
 mod export;
 mod info;

@@ -81,6 +81,23 @@ pub fn write(
     for (result, curve) in results.iter().zip(&study.curves) {
         page = page.section(result.name.clone(), curve_section(folder, result, &curve.slug())?);
     }
+    let beside = super::damping::figures(results);
+    if !beside.is_empty() {
+        let mut blocks = Vec::new();
+        for (mach, chart) in &beside {
+            let caption = format!(
+                "V-g and V-f at Mach {mach}: runs of the march (markers) beside the frequency domain (dashed)."
+            );
+            blocks.push(figure(
+                folder,
+                &format!("damping_M{mach:.3}"),
+                chart,
+                (860, 760),
+                &caption,
+            )?);
+        }
+        page = page.section("Subcritical damping", blocks);
+    }
     page = page.section("Sources and inputs", sources(study));
     folder.write("report.html", page.html().as_bytes())?;
     Ok(())

@@ -173,7 +173,7 @@ impl Watch {
         let energies: Vec<f64> = fit
             .modes
             .iter()
-            .map(|mode| energy(mode.p_rad_s, &mut mode.amplitude.iter().map(|a| a.norm_sqr())))
+            .map(|mode| energy(mode.p_rad_s, &mut mode.amplitude.iter().map(c64::norm_sqr)))
             .collect();
         let drifts: Vec<f64> = fit
             .roots

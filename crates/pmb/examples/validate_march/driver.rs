@@ -194,7 +194,7 @@ impl Case {
             steps: result.states.len() - 1,
             products: result.products,
             stop: result.stop,
-            coupling: [result.coupling_seconds.grid, result.coupling_seconds.structure].map(|s| s / result.seconds),
+            coupling: [result.seconds.deformation, result.seconds.transfer].map(|s| s / result.seconds.all),
             states: result.states,
             cpu_s: cpu_s() - begin,
         };

@@ -5,10 +5,15 @@
 //! there. How damping is read from the motion, and which density comes next, is not this crate's affair: an
 //! [`MarchObserver`] says when to stop.
 
+mod kept;
 pub mod mean;
+mod observe;
 mod run;
+mod settings;
 
-pub use run::{MarchObserver, MarchResult, MarchSettings, MarchStep, MarchStop, Verdict, run};
+pub use observe::{MarchObserver, MarchStep, Verdict};
+pub use run::{MarchResult, MarchSeconds, MarchStop, run};
+pub use settings::MarchSettings;
 
 use dip_grid::MultiBlock;
 use dip_modal::{GridModes, ModalEquations};

@@ -1,64 +1,20 @@
-//! The march itself: steps, reports, restart file.
+//! The march itself: steps, reports, restart files.
 
-use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
 use dip_grid::MultiBlock;
-use dip_modal::{Integrator, ModalState, StepScheme};
+use dip_modal::{Integrator, ModalState};
 use serde::{Deserialize, Serialize};
 
-use super::Wing;
+use super::kept::{Kept, cannot_write, read_kept};
 use super::mean::MeanFlow;
-use crate::couple::{Coupled, CoupledStep, Coupling, CouplingSeconds, Stream, Structure};
+use super::{MarchObserver, MarchSettings, MarchStep, Verdict, Wing};
+use crate::couple::{Coupled, CoupledStep, Stream, Structure};
 use crate::dual_time::{DualTimeSettings, StepOutcome};
 use crate::error::FlowError;
-use crate::loads::{Loads, WallPatch};
 use crate::moving::Nodes;
-use crate::observer::Observer;
-use crate::restart::{doubles, put_doubles, read_checked, write_checked};
-use crate::settings::SteadySettings;
 use crate::steady;
-
-const MAGIC: &[u8; 8] = b"DIPMAR01";
-
-/// How flow and structure are marched.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct MarchSettings {
-    /// Flow, reference quantities and scheme.
-    pub steady: SteadySettings,
-    /// Real time steps of the flow; `dt` follows from `step_s` and the stream.
-    pub time: DualTimeSettings,
-    /// Length of a step, s.
-    pub step_s: f64,
-    /// Steps at most.
-    pub steps: usize,
-    /// The structure's step.
-    pub scheme: StepScheme,
-    /// Exchange within a step.
-    pub coupling: Coupling,
-    /// Change of the structure's state in the last exchange of a step.
-    pub exchange_tolerance: f64,
-    /// Rates of the generalized coordinates at the start `[mode]`, 1/s.
-    pub start_rate_1_s: Vec<f64>,
-    /// Largest displacement of the wall, in reference chords, beyond which the motion has run away.
-    pub largest_displacement: f64,
-    /// Restart file.
-    pub restart: Option<PathBuf>,
-    /// Go on from it, if it is there.
-    pub resume: bool,
-    /// Steps between restart files; 0 writes one at the end only.
-    pub checkpoint_steps: usize,
-}
-
-/// What an observer wants.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Verdict {
-    /// More steps.
-    GoOn,
-    /// Enough is known.
-    Enough,
-}
 
 /// Why a march ended.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -72,49 +28,6 @@ pub enum MarchStop {
     Interrupted,
     /// The motion grew beyond what the settings allow, or beyond what grid and flow bear: the text says which.
     RanAway(String),
-}
-
-/// A step as an observer sees it.
-#[derive(Clone, Copy, Debug)]
-pub struct MarchStep<'a> {
-    /// Number; 0 is the start.
-    pub number: usize,
-    /// Structure at this instant.
-    pub state: &'a ModalState,
-    /// Its energy, J.
-    pub energy_j: f64,
-    /// Work of the pressure in this step, J.
-    pub work_j: f64,
-    /// Change of the structure's state in the last exchange.
-    pub exchange: f64,
-    /// Convergence of the flow.
-    pub outcome: &'a StepOutcome,
-    /// Forces and moments, about the reference point at rest in space.
-    pub loads: &'a Loads,
-    /// Pressure on the walls where they are now.
-    pub walls: &'a [WallPatch],
-    /// Nodes of the grid where they are now.
-    pub nodes: &'a Nodes,
-    /// Wall-clock seconds since the march (or its last resumption) began.
-    pub seconds: f64,
-}
-
-/// Listens to a march.
-pub trait MarchObserver: Observer {
-    /// After every step.
-    ///
-    /// # Errors
-    /// Anything that makes going on useless (a full disk); the march ends after writing its restart file.
-    fn step(&mut self, step: &MarchStep<'_>) -> Result<Verdict, String>;
-    /// The steps up to `number` were done by a march that stopped: its states, `[step]`, the start first.
-    ///
-    /// # Errors
-    /// If what was kept of those steps cannot be found.
-    fn resumed(&mut self, number: usize, states: &[ModalState]) -> Result<(), String>;
-    /// After [`MarchObserver::resumed`]: true if the steps of the march that stopped are enough.
-    fn knows(&self) -> bool {
-        false
-    }
 }
 
 /// A finished march.
@@ -134,24 +47,33 @@ pub struct MarchResult {
     pub builds: usize,
     /// Work of the pressure in all, J.
     pub work_j: f64,
-    /// Wall-clock seconds of this march (since its last resumption).
-    pub seconds: f64,
-    /// Those of them that coupling took: grid and structure.
-    pub coupling_seconds: CouplingSeconds,
+    /// Where its time went (since its last resumption).
+    pub seconds: MarchSeconds,
 }
 
-/// What the restart file holds besides the flow.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-struct Kept {
-    settings: MarchSettings,
-    stream: Stream,
-    states: Vec<ModalState>,
-    not_converged: usize,
-    iterations: usize,
-    products: usize,
-    builds: usize,
-    work_j: f64,
-    state: serde_json::Value,
+/// Wall-clock seconds of a march and of its parts, which do not overlap and add up to the whole.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct MarchSeconds {
+    /// All.
+    pub all: f64,
+    /// Residuals of the flow, those in products with its operator included.
+    pub residual: f64,
+    /// First-order Jacobians.
+    pub jacobian: f64,
+    /// Their factorizations.
+    pub factorization: f64,
+    /// GCG without the residuals in its products.
+    pub gcg: f64,
+    /// Deformation of the grid, its metrics and swept volumes.
+    pub deformation: f64,
+    /// Pressure to forces on the modes, and the steps of the modal equations.
+    pub transfer: f64,
+    /// Forces on the walls and the observer: recording, reading of the damping.
+    pub observer: f64,
+    /// Restart files.
+    pub restart: f64,
+    /// What is left: time derivative, first guesses, norms, starting.
+    pub rest: f64,
 }
 
 /// Marches from `mean` until `observer` knows enough. `grid` is where every generalized coordinate is zero.
@@ -168,7 +90,8 @@ pub fn run(
     observer: &mut dyn MarchObserver,
     cancel: &AtomicBool,
 ) -> Result<MarchResult, FlowError> {
-    check(settings, wing)?;
+    let began = Instant::now();
+    settings.check(wing)?;
     let kept = read_kept(settings, &stream, wing)?;
     let mut coupled = start(settings, grid, wing, stream, mean)?;
     coupled.exchange_tolerance = settings.exchange_tolerance;
@@ -184,11 +107,12 @@ pub fn run(
             products: 0,
             builds: 0,
             work_j: 0.0,
-            seconds: 0.0,
-            coupling_seconds: CouplingSeconds::default(),
+            seconds: MarchSeconds::default(),
         },
         coupled,
-        began: Instant::now(),
+        began,
+        observer_s: 0.0,
+        restart_s: 0.0,
     };
     match kept {
         Some((kept, values)) => {
@@ -215,8 +139,7 @@ pub fn run(
         }
     }
     march.result.stop = march.go(observer, cancel)?;
-    march.result.coupling_seconds = march.coupled.seconds;
-    march.result.seconds = march.began.elapsed().as_secs_f64();
+    march.result.seconds = march.seconds();
     Ok(march.result)
 }
 
@@ -270,73 +193,6 @@ fn start(
     Ok(coupled)
 }
 
-fn check(settings: &MarchSettings, wing: &Wing) -> Result<(), FlowError> {
-    let wrong = |key, got: String, needed| Err(FlowError::Setting { key, got, needed });
-    let rates = settings.start_rate_1_s.len();
-    if rates != wing.equations.count() {
-        return wrong(
-            "start_rate_1_s",
-            format!("{rates} rates"),
-            "one rate for each mode is needed",
-        );
-    }
-    if settings.start_rate_1_s.iter().all(|r| *r == 0.0) {
-        return wrong(
-            "start_rate_1_s",
-            "zero in every mode".to_owned(),
-            "a structure at rest stays at rest: give one mode a rate",
-        );
-    }
-    if settings.steps == 0 || settings.time.max_iterations == 0 || settings.time.max_products == 0 {
-        return wrong(
-            "steps, max_iterations, max_products",
-            "0".to_owned(),
-            "at least one of each is needed",
-        );
-    }
-    if !(settings.step_s > 0.0 && settings.step_s.is_finite()) {
-        return wrong("step_s", settings.step_s.to_string(), "a positive time step is needed");
-    }
-    Ok(())
-}
-
-fn read_kept(settings: &MarchSettings, stream: &Stream, wing: &Wing) -> Result<Option<(Kept, Vec<f64>)>, FlowError> {
-    let Some(path) = settings.restart.as_ref().filter(|p| settings.resume && p.exists()) else {
-        return Ok(None);
-    };
-    let wrong = |what: String| FlowError::Restart {
-        path: path.display().to_string(),
-        what,
-    };
-    let (header, body) = read_checked(path, MAGIC)?;
-    let kept: Kept = serde_json::from_slice(&header).map_err(|e| wrong(format!("header: {e}")))?;
-    let plain = |s: &MarchSettings| MarchSettings {
-        // How long to go on and where to keep things may change.
-        steps: 0,
-        restart: None,
-        resume: false,
-        checkpoint_steps: 0,
-        largest_displacement: 0.0,
-        steady: SteadySettings {
-            restart: None,
-            resume: false,
-            checkpoint_steps: 0,
-            ..s.steady.clone()
-        },
-        ..s.clone()
-    };
-    if plain(&kept.settings) != plain(settings) || kept.stream != *stream {
-        return Err(wrong(
-            "flow, stream, scheme, start or time step differ from those of the case; start anew or give the old ones"
-                .to_owned(),
-        ));
-    }
-    if kept.states.first().is_none_or(|s| s.q.len() != wing.equations.count()) {
-        return Err(wrong("it has another number of modes".to_owned()));
-    }
-    Ok(Some((kept, doubles(&body))))
-}
-
 struct March<'a> {
     settings: &'a MarchSettings,
     wing: &'a Wing,
@@ -344,6 +200,10 @@ struct March<'a> {
     coupled: Coupled,
     result: MarchResult,
     began: Instant,
+    /// Wall-clock seconds of observer and loads.
+    observer_s: f64,
+    /// Wall-clock seconds of restart files.
+    restart_s: f64,
 }
 
 impl March<'_> {
@@ -431,6 +291,7 @@ impl March<'_> {
     }
 
     fn report(&mut self, step: &CoupledStep, observer: &mut dyn MarchObserver) -> Result<Verdict, FlowError> {
+        let begin = Instant::now();
         let (loads, walls) = self.coupled.loads();
         let report = MarchStep {
             number: self.result.states.len() - 1,
@@ -444,18 +305,17 @@ impl March<'_> {
             nodes: &self.coupled.flow.grid.now,
             seconds: self.began.elapsed().as_secs_f64(),
         };
-        observer.step(&report).map_err(|what| FlowError::Observer { what })
+        let verdict = observer.step(&report).map_err(|what| FlowError::Observer { what });
+        self.observer_s += begin.elapsed().as_secs_f64();
+        verdict
     }
 
-    fn write(&self) -> Result<(), FlowError> {
+    fn write(&mut self) -> Result<(), FlowError> {
         let Some(path) = &self.settings.restart else {
             return Ok(());
         };
-        let json = |e: serde_json::Error| FlowError::Io {
-            path: path.display().to_string(),
-            source: e.into(),
-        };
-        let (state, values) = self.coupled.save().map_err(json)?;
+        let begin = Instant::now();
+        let (state, values) = self.coupled.save().map_err(|e| cannot_write(path, e))?;
         let kept = Kept {
             settings: self.settings.clone(),
             stream: self.coupled.stream,
@@ -467,7 +327,37 @@ impl March<'_> {
             work_j: self.result.work_j,
             state,
         };
-        let header = serde_json::to_vec(&kept).map_err(json)?;
-        write_checked(path, MAGIC, &header, &|out| put_doubles(out, &values))
+        kept.write(&values)?;
+        self.restart_s += begin.elapsed().as_secs_f64();
+        Ok(())
+    }
+
+    /// Where the time has gone.
+    fn seconds(&self) -> MarchSeconds {
+        let flow = &self.coupled.flow.solver.seconds;
+        let coupling = &self.coupled.seconds;
+        let all = self.began.elapsed().as_secs_f64();
+        let known = [
+            flow.residual,
+            flow.jacobian,
+            flow.factorization,
+            flow.gcg,
+            coupling.grid,
+            coupling.structure,
+            self.observer_s,
+            self.restart_s,
+        ];
+        MarchSeconds {
+            all,
+            residual: flow.residual,
+            jacobian: flow.jacobian,
+            factorization: flow.factorization,
+            gcg: flow.gcg,
+            deformation: coupling.grid,
+            transfer: coupling.structure,
+            observer: self.observer_s,
+            restart: self.restart_s,
+            rest: all - known.iter().sum::<f64>(),
+        }
     }
 }

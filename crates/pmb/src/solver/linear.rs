@@ -1,6 +1,8 @@
 //! The linear system of a Newton step as GCG sees it: products with the operator by differences of residuals, the
 //! preconditioner, and both with the weights of an unsteady step.
 
+use std::time::Instant;
+
 use dip_krylov::{KrylovError, LevelShape, LinearOperator, Multilevel, Preconditioner, vector};
 use rayon::prelude::*;
 
@@ -17,6 +19,8 @@ pub(super) struct Product<'a> {
     pub(super) weight: Option<&'a [f64]>,
     pub(super) perturbed: &'a mut [f64],
     pub(super) size: f64,
+    /// Wall-clock seconds of the residuals.
+    pub(super) seconds: f64,
 }
 
 impl LinearOperator<f32> for Product<'_> {
@@ -29,10 +33,12 @@ impl LinearOperator<f32> for Product<'_> {
             });
         }
         let step = self.size / length;
+        let begin = Instant::now();
         self.equations
             .field
             .combine(&self.equations.level, self.unknowns, step, x);
         self.equations.residual(self.perturbed);
+        self.seconds += begin.elapsed().as_secs_f64();
         let inverse = 1.0 / step;
         let gamma = self.equations.scheme.gamma;
         const PIECE: usize = VARIABLES * 512;

@@ -7,6 +7,8 @@
 mod equations;
 mod linear;
 
+use std::time::Instant;
+
 use dip_krylov::{Gcg, GcgOutcome, GcgSettings, Multilevel, vector};
 use rayon::prelude::*;
 
@@ -40,6 +42,21 @@ pub struct Solver {
     rhs: Vec<f64>,
     perturbed: Vec<f64>,
     unweighted: Vec<f64>,
+    /// Where its time has gone so far.
+    pub seconds: SolverSeconds,
+}
+
+/// Wall-clock seconds of a solver's work.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct SolverSeconds {
+    /// Residuals, those in products with the operator included.
+    pub residual: f64,
+    /// First-order Jacobians.
+    pub jacobian: f64,
+    /// Their factorizations.
+    pub factorization: f64,
+    /// GCG without the residuals in its products: preconditioning, orthogonalization, updates.
+    pub gcg: f64,
 }
 
 /// Backward difference in time of a cell's contents: `rate Q(W) + source`, the rate being a0 V/dt.
@@ -80,6 +97,7 @@ impl Solver {
             rhs: vec![0.0; n],
             perturbed: vec![0.0; n],
             unweighted: Vec::new(),
+            seconds: SolverSeconds::default(),
         }
     }
 
@@ -91,8 +109,10 @@ impl Solver {
 
     /// Recomputes field and residual of `unknowns`.
     pub fn evaluate(&mut self) {
+        let begin = Instant::now();
         self.equations.field.load(&self.equations.level, &self.unknowns);
         self.equations.residual(&mut self.residual);
+        self.seconds.residual += begin.elapsed().as_secs_f64();
     }
 
     /// Euclidean norm of the residual.
@@ -203,9 +223,13 @@ impl Solver {
             Some(kept) => kept,
             None => Multilevel::new(shapes(&self.equations.level)),
         };
+        let begin = Instant::now();
         self.equations
             .jacobian(&self.time, &mut preconditioner.finest_mut().blocks);
+        self.seconds.jacobian += begin.elapsed().as_secs_f64();
+        let begin = Instant::now();
         preconditioner.factor()?;
+        self.seconds.factorization += begin.elapsed().as_secs_f64();
         self.preconditioner = Some(preconditioner);
         Ok(())
     }
@@ -227,6 +251,7 @@ impl Solver {
             weight: self.inertia.as_ref().map(|i| i.weight.as_slice()),
             perturbed: &mut self.perturbed,
             size,
+            seconds: 0.0,
         };
         let Some(preconditioner) = &mut self.preconditioner else {
             return Err(FlowError::NotBuilt);
@@ -236,9 +261,12 @@ impl Solver {
             weight: self.inertia.as_ref().map(|i| i.weight.as_slice()),
             unweighted: &mut self.unweighted,
         };
+        let begin = Instant::now();
         let outcome = self
             .gcg
             .solve(&mut product, &mut precondition, settings, &mut self.rhs, &mut self.step);
+        self.seconds.residual += product.seconds;
+        self.seconds.gcg += begin.elapsed().as_secs_f64() - product.seconds;
         // The products left a perturbed flow behind.
         self.equations.field.load(&self.equations.level, &self.unknowns);
         Ok(outcome?)

@@ -1,9 +1,12 @@
-//! Pictures of a march: generalized coordinates in time, damping and frequency over density.
+//! Pictures of a march: generalized coordinates in time, damping and frequency over what was varied.
 
-use super::TrialRow;
+use super::case::March;
+use super::parameter::Parameter;
+use super::summary::TrialRow;
 use crate::exit::Stop;
 use crate::figures::drawing;
 use crate::output::RunFolder;
+use dip_flutter::search::Neutral;
 use dip_modal::ModalState;
 use dip_report::{Chart, Figure, Marker, Series};
 
@@ -42,32 +45,44 @@ pub fn modes(folder: &RunFolder, name: &str, title: &str, states: &[ModalState])
     Ok(())
 }
 
-/// Draws damping and frequency of the least stable mode over density.
+/// Draws damping and frequency of the least stable mode over what was varied.
 ///
 /// # Errors
 /// What the file system says.
-pub fn damping(folder: &RunFolder, title: &str, trials: &[TrialRow], found: Option<(f64, f64)>) -> Result<(), Stop> {
+pub fn damping(
+    folder: &RunFolder,
+    march: &March<'_>,
+    trials: &[TrialRow],
+    found: Option<&Neutral>,
+) -> Result<(), Stop> {
+    let parameter = march.parameter;
+    let (label, place): (&str, &dyn Fn(f64) -> f64) = match parameter {
+        Parameter::Density { .. } => ("Density, kg/m³", &|at| at),
+        Parameter::Speed { .. } => ("Speed, m/s", &|at| at),
+        Parameter::Altitude { .. } => ("Altitude, m", &|at| parameter.altitude_m(at).unwrap_or(f64::NAN)),
+    };
     let mut rows: Vec<&TrialRow> = trials.iter().filter(|t| t.g.is_some()).collect();
-    rows.sort_by(|a, b| a.density_kg_m3.total_cmp(&b.density_kg_m3));
+    rows.sort_by(|a, b| place(a.at).total_cmp(&place(b.at)));
     if rows.is_empty() {
         return Ok(());
     }
     let curve = |value: fn(&TrialRow) -> Option<f64>| -> Vec<(f64, f64)> {
-        rows.iter().filter_map(|t| Some((t.density_kg_m3, value(t)?))).collect()
+        rows.iter().filter_map(|t| Some((place(t.at), value(t)?))).collect()
     };
-    let mut g = Chart::new("", "Density, kg/m³", "Damping g").hline(0.0, "").series(
+    let mut g = Chart::new("", label, "Damping g").hline(0.0, "").series(
         Series::line_markers("marched", curve(|t| t.g), Marker::Circle)
             .y_error(rows.iter().map(|t| t.g_error.map_or((0.0, 0.0), |e| (e, e))).collect()),
     );
-    let mut f = Chart::new("", "Density, kg/m³", "Frequency, Hz").series(Series::line_markers(
+    let mut f = Chart::new("", label, "Frequency, Hz").series(Series::line_markers(
         "marched",
         curve(|t| t.frequency_hz),
         Marker::Circle,
     ));
-    if let Some((density, frequency)) = found {
-        g = g.mark(density, 0.0, "flutter");
-        f = f.mark(density, frequency, "flutter");
+    if let Some(point) = found {
+        g = g.mark(place(point.at), 0.0, "flutter");
+        f = f.mark(place(point.at), point.freq_hz, "flutter");
     }
+    let title = format!("Mach {}", march.file.flow.mach);
     let figure = Figure::new(title).share_x().row(vec![g]).row(vec![f]);
     let svg = figure.svg(760, 640).map_err(|e| drawing(&e))?;
     folder.write("damping.svg", svg.as_bytes())?;

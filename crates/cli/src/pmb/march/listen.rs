@@ -1,16 +1,19 @@
 //! Listens to a march: reads the damping as it goes, records, and says how far it is.
 
+use crate::assemble::surface;
 use crate::pmb::logbook::{Logbook, convergence};
 use crate::pmb::steady::watch::Watch;
 use dip_flutter::decay::{self, Reading};
+use dip_grid::MultiBlock;
 use dip_modal::ModalState;
 use dip_pmb::march::{MarchObserver, MarchStep, Verdict};
 use dip_pmb::observer::{Observer, Progress};
 use dip_record::{Convergence, Modal, MotionValue, Step};
+use std::time::Instant;
 
 /// Hears a run at one density.
 #[derive(Debug)]
-pub struct Listener {
+pub struct Listener<'a> {
     /// Progress and Ctrl-C.
     pub watch: Watch,
     /// Damping so far.
@@ -23,14 +26,24 @@ pub struct Listener {
     pub steps: usize,
     /// Name of the run in messages.
     pub label: String,
+    /// Wall-clock seconds that reading the damping has taken.
+    pub reading_s: f64,
+    /// The grid at rest.
+    pub grid: &'a MultiBlock,
     /// The recording.
     pub log: Logbook,
 }
 
-impl Listener {
+/// Steps from one recorded shape of the wall to the next. The modes give it at every step; recorded, it can be checked.
+const SHAPE_INTERVAL: usize = 20;
+
+impl Listener<'_> {
     fn read(&mut self, state: &ModalState) -> Option<&Reading> {
+        let begin = Instant::now();
         let q: Vec<f64> = state.q.iter().zip(&self.mean).map(|(q, m)| q - m).collect();
-        self.damping.push(&q)
+        let reading = self.damping.push(&q);
+        self.reading_s += begin.elapsed().as_secs_f64();
+        reading
     }
 
     fn record(&mut self, step: &MarchStep<'_>) -> Result<(), String> {
@@ -59,19 +72,24 @@ impl Listener {
                 converged: step.outcome.converged || step.number == 0,
                 ..convergence(step.outcome)
             },
-            shape_m: None,
+            shape_m: step
+                .number
+                .is_multiple_of(SHAPE_INTERVAL)
+                .then(|| surface::at_walls(self.grid, step.nodes)),
         };
         self.log.step(&record, self.watch.is_interrupted())
     }
 
     fn say(&mut self, step: &MarchStep<'_>) {
-        let damping = self
-            .damping
-            .reading()
-            .and_then(|r| r.modes.first())
-            .map_or_else(String::new, |m| {
+        let damping = self.damping.reading().map_or_else(String::new, |r| {
+            let modes = r.modes.first().map_or_else(String::new, |m| {
                 format!("  {:.2} Hz, g {:+.4} +- {:.4}", m.freq_hz, m.g, m.g_error)
             });
+            let growth = r
+                .growth
+                .map_or_else(String::new, |g| format!("  diverging at {:.2} 1/s", g.rate_1_s));
+            modes + &growth
+        });
         let q: Vec<String> = step.state.q.iter().take(4).map(|q| format!("{q:+.2e}")).collect();
         let left = step.seconds / step.number.max(1) as f64 * self.steps.saturating_sub(step.number) as f64;
         let line = format!(
@@ -88,7 +106,7 @@ impl Listener {
     }
 }
 
-impl Observer for Listener {
+impl Observer for Listener<'_> {
     fn progress(&mut self, progress: &Progress) {
         self.watch.progress(progress);
     }
@@ -98,7 +116,7 @@ impl Observer for Listener {
     }
 }
 
-impl MarchObserver for Listener {
+impl MarchObserver for Listener<'_> {
     fn step(&mut self, step: &MarchStep<'_>) -> Result<Verdict, String> {
         self.watch.interrupt();
         self.record(step)?;
