@@ -167,6 +167,8 @@ fn what_is_wrong_in_a_march_is_named() {
         ("march.steps_per_cycle=2", "march"),
         ("march.start_mode=9", "mode 9: there are 4"),
         ("march.damping=[0.01, 0.02]", "2 values for 4 modes"),
+        ("march.damping=\"low\"", "a list with one for each mode"),
+        ("march.start_mode=\"both\"", "the number of a mode"),
         ("search.first=\"12 km\"", "a density"),
         ("search.from=\"0.5 kg/m^3\"", "does not hold the first value"),
         ("search.to=\"12 m/s\"", "search.to"),

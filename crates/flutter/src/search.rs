@@ -90,6 +90,9 @@ const REPEATED: f64 = 0.05;
 /// number show 0.2 to 1.
 const USUAL_SLOPE: f64 = 0.5;
 
+/// Difference of the frequencies' logarithms up to which two runs show the same mode.
+const SAME_MODE: f64 = 0.4;
+
 /// A search, as its settings and finished runs.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Search {
@@ -274,6 +277,10 @@ impl Search {
                 Stability::Divergence => None,
             })
             .collect();
+        // The least stable mode may be another far from the neutral point: only runs that show the mode of the least stable run
+        // make its trend.
+        let critical = known.iter().max_by(|a, b| a.g.total_cmp(&b.g))?.freq_hz;
+        known.retain(|s| (s.freq_hz / critical).ln().abs() < SAME_MODE);
         // Later runs at a value replace earlier ones.
         known.reverse();
         known.sort_by(|a, b| a.at.total_cmp(&b.at));

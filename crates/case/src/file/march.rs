@@ -69,7 +69,7 @@ pub struct MarchTable {
 
 /// What the initial velocity is given to.
 #[derive(Debug, Clone, PartialEq, Eq, Deserialize, JsonSchema)]
-#[serde(untagged)]
+#[serde(untagged, expecting = "needed the number of a mode, from 1, or \"all\"")]
 pub enum StartMode {
     /// One mode, from 1.
     One(usize),
@@ -87,7 +87,7 @@ pub enum StartWord {
 
 /// Damping of the modes.
 #[derive(Debug, Clone, PartialEq, Deserialize, JsonSchema)]
-#[serde(untagged)]
+#[serde(untagged, expecting = "needed a number, or a list with one for each mode")]
 pub enum ModalDamping {
     /// The same in all modes.
     Same(f64),

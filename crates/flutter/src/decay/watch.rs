@@ -225,9 +225,12 @@ impl Watch {
         let diverges = grown.is_some_and(|g| {
             before.is_some() && g.rate_error_1_s < s.relative * g.rate_1_s && duration * lowest >= s.least_cycles
         });
-        let settled = modes.first().is_some_and(|m| {
-            let needed = s.accuracy.max(s.relative * m.g.abs());
-            m.g_error < needed && duration * m.freq_hz >= s.least_cycles
+        let clear = |m: &WatchedMode| {
+            m.g_error < s.accuracy.max(s.relative * m.g.abs()) && duration * m.freq_hz >= s.least_cycles
+        };
+        // Slow modes are known later than fast ones: none may be left that could yet turn out less stable than the first.
+        let settled = modes.split_first().is_some_and(|(first, others)| {
+            clear(first) && others.iter().all(|m| clear(m) || m.g + 2.0 * m.g_error < first.g)
         });
         Reading {
             samples,
