@@ -93,7 +93,7 @@ fn a_search_of_speed_or_altitude_gives_the_same_boundary() {
 fn curves_of_the_frequency_domain_are_drawn_beside_those_of_the_march() {
     let case = CaseFolder::flow();
     let vg = "mach,method,mode,speed_m_s,density_kg_m3,g,frequency_hz,k,confidence\n\
-              0.678,pk,1,180,0.2,-0.05,15,0.2,1\n0.678,pk,1,240,0.2,0.01,20,0.2,1\n0.9,pk,1,240,0.2,0.01,20,0.2,1\n";
+              0.678,pk,1,200,0.2,-0.05,15,0.2,1\n0.678,pk,1,240,0.2,0.01,20,0.2,1\n0.9,pk,1,240,0.2,0.01,20,0.2,1\n";
     std::fs::write(case.path("vg.csv"), vg).unwrap();
     let single = ["march", "march.toml", "--set", "search.runs=1", "--set", "march.cycles=2", "--beside"];
     let run = case.run("pmb", &[&single[..], &["vg.csv", "--out", "run"]].concat());
