@@ -90,6 +90,8 @@ const REPEATED: f64 = 0.05;
 /// number show 0.2 to 1.
 const USUAL_SLOPE: f64 = 0.5;
 
+/// Difference of the parameter's logarithm up to which a line through two runs is off by little.
+const CLOSE: f64 = 0.15;
 /// Difference of the frequencies' logarithms up to which two runs show the same mode.
 const SAME_MODE: f64 = 0.4;
 
@@ -312,8 +314,11 @@ impl Search {
         let (at, model) = match known.get(2).and_then(|c| parabola_root(&[a, b, *c], line)) {
             // The parabola is the better estimate; what it changes bounds what is still missing.
             Some(root) => (root, (root - line).abs()),
-            // A slope that changes by half over the distance of the runs.
-            None => (line, 0.25 * (share * (1.0 - share) * (b.at - a.at)).abs()),
+            // A slope that changes by half over the distance of the runs, and by far more where they are far apart.
+            None => {
+                let apart = ((b.at / a.at).ln().abs() / CLOSE).max(1.0).powf(2.5);
+                (line, 0.25 * apart * (share * (1.0 - share) * (b.at - a.at)).abs())
+            }
         };
         (at > 0.0 && at.is_finite()).then(|| Neutral {
             at,
