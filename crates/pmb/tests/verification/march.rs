@@ -322,7 +322,14 @@ fn the_number_of_threads_changes_no_bit() {
 #[test]
 fn the_parts_of_the_time_do_not_overlap() {
     let s = march(&settings(6), still(), usize::MAX).seconds;
-    let work = [s.residual, s.jacobian, s.factorization, s.gcg, s.deformation, s.transfer];
+    let work = [
+        s.residual,
+        s.jacobian,
+        s.factorization,
+        s.gcg,
+        s.deformation,
+        s.transfer,
+    ];
     assert!(work.iter().all(|part| *part > 0.0), "{s:?}");
     assert!(s.rest > 0.0 && s.rest < 0.6 * s.all, "{s:?}");
 }
