@@ -20,7 +20,15 @@ fn a_search_finds_the_flutter_point_and_goes_on_to_the_same_one() {
     let density = point["density_kg_m3"].as_f64().unwrap();
     assert!((density / 0.208 - 1.0).abs() < 0.3, "{density}");
     assert_eq!(point["method"], "march");
-    for file in ["damping.svg", "march_1.svg", "march_1.csv", "trials.json", "vg.csv", "vg.svg", "transfer.svg"] {
+    for file in [
+        "damping.svg",
+        "march_1.svg",
+        "march_1.csv",
+        "trials.json",
+        "vg.csv",
+        "vg.svg",
+        "transfer.svg",
+    ] {
         assert!(case.path("whole").join(file).exists(), "{file}");
     }
     case.run("dip", &["info", "whole/march_1.mcap"]).exits(0);
@@ -29,7 +37,12 @@ fn a_search_finds_the_flutter_point_and_goes_on_to_the_same_one() {
     // The transfer was inspected, and where the time went adds up to it.
     let transfer = |key: &str| whole["transfer"][key].as_f64().unwrap();
     assert!(transfer("virtual_work_error") < 1e-12 && transfer("rotation_error") < 1e-12);
-    let cost: f64 = whole["cost"].as_object().unwrap().values().map(|v| v.as_f64().unwrap()).sum();
+    let cost: f64 = whole["cost"]
+        .as_object()
+        .unwrap()
+        .values()
+        .map(|v| v.as_f64().unwrap())
+        .sum();
     let stages = whole["stages"].as_array().unwrap().iter();
     let marches: f64 = stages
         .filter(|s| s[0].as_str().unwrap().starts_with("march"))
@@ -56,17 +69,31 @@ fn a_search_finds_the_flutter_point_and_goes_on_to_the_same_one() {
 fn a_search_of_speed_or_altitude_gives_the_same_boundary() {
     let case = CaseFolder::flow();
     let search = |name: &str, set: &[&str]| -> Value {
-        let mut arguments = vec!["march", "march.toml", "--out", name, "--set", "march.start_mode=\"all\""];
+        let mut arguments = vec![
+            "march",
+            "march.toml",
+            "--out",
+            name,
+            "--set",
+            "march.start_mode=\"all\"",
+        ];
         set.iter().for_each(|s| arguments.extend(["--set", s]));
         let run = case.run("pmb", &arguments);
         assert!(run.code == 0 || run.code == 3, "{}", run.stderr);
-        assert!(run.stderr.contains("virtual work to") && run.stderr.contains("s went: "), "{}", run.stderr);
+        assert!(
+            run.stderr.contains("virtual work to") && run.stderr.contains("s went: "),
+            "{}",
+            run.stderr
+        );
         json(&case, &format!("{name}/summary.json"))["flutter"][0].clone()
     };
     let of = |point: &Value, key: &str| point[key].as_f64().unwrap();
     let density = search("density", &[]);
     let at = format!("flow.density=\"{} kg/m^3\"", of(&density, "density_kg_m3"));
-    let speed = search("speed", &["search.parameter=\"speed\"", "search.first=\"210 m/s\"", &at]);
+    let speed = search(
+        "speed",
+        &["search.parameter=\"speed\"", "search.first=\"210 m/s\"", &at],
+    );
     assert_eq!(speed["parameter"], "speed");
     assert_eq!(speed["density_kg_m3"], density["density_kg_m3"]);
     // Each is known to half a per cent of speed or so.
@@ -76,7 +103,11 @@ fn a_search_of_speed_or_altitude_gives_the_same_boundary() {
     assert!((f1 / f2 - 1.0).abs() < 0.02, "{f1} {f2}");
 
     // A matched point: density and sound speed are those of the standard atmosphere (constant temperature here, 295.07 m/s).
-    case.edit("march.toml", "speed = \"231.37 m/s\"\ndensity = \"0.20821 kg/m^3\"\n", "");
+    case.edit(
+        "march.toml",
+        "speed = \"231.37 m/s\"\ndensity = \"0.20821 kg/m^3\"\n",
+        "",
+    );
     let matched = search("altitude", &["search.parameter=\"altitude\"", "search.first=\"13 km\""]);
     let altitude = of(&matched, "altitude_m");
     assert!((11_000.0..20_000.0).contains(&altitude), "{altitude}");
@@ -95,7 +126,15 @@ fn curves_of_the_frequency_domain_are_drawn_beside_those_of_the_march() {
     let vg = "mach,method,mode,speed_m_s,density_kg_m3,g,frequency_hz,k,confidence\n\
               0.678,pk,1,200,0.2,-0.05,15,0.2,1\n0.678,pk,1,240,0.2,0.01,20,0.2,1\n0.9,pk,1,240,0.2,0.01,20,0.2,1\n";
     std::fs::write(case.path("vg.csv"), vg).unwrap();
-    let single = ["march", "march.toml", "--set", "search.runs=1", "--set", "march.cycles=2", "--beside"];
+    let single = [
+        "march",
+        "march.toml",
+        "--set",
+        "search.runs=1",
+        "--set",
+        "march.cycles=2",
+        "--beside",
+    ];
     let run = case.run("pmb", &[&single[..], &["vg.csv", "--out", "run"]].concat());
     assert_eq!(run.code, 3, "{}", run.stderr);
     let svg = std::fs::read_to_string(case.path("run/vg.svg")).unwrap();
@@ -142,22 +181,52 @@ fn divergence_is_said_and_ends_a_search() {
     let trial = &one["trials"][0];
     assert_eq!(trial["diverges"], true, "{trial}");
     assert!(trial["growth_1_s"].as_f64().unwrap() > 1.0, "{trial}");
-    assert!(run.stderr.contains("divergence: the wing moves away without oscillating"), "{}", run.stderr);
+    assert!(
+        run.stderr
+            .contains("divergence: the wing moves away without oscillating"),
+        "{}",
+        run.stderr
+    );
     let below = case.run(
         "pmb",
-        &["march", "section_march.toml", "--out", "below", "--set", "flow.density=0.4"],
+        &[
+            "march",
+            "section_march.toml",
+            "--out",
+            "below",
+            "--set",
+            "flow.density=0.4",
+        ],
     );
     let summary = json(&case, "below/summary.json");
     assert_eq!(summary["trials"][0]["diverges"], false, "{}", below.stderr);
     let search = case.run(
         "pmb",
-        &["march", "section_march.toml", "--out", "search", "--set", "flow.density=0.6", "--set", "search.tolerance=0.05"],
+        &[
+            "march",
+            "section_march.toml",
+            "--out",
+            "search",
+            "--set",
+            "flow.density=0.6",
+            "--set",
+            "search.tolerance=0.05",
+        ],
     );
     assert_eq!(search.code, 3, "{}", search.stderr);
-    let reason = json(&case, "search/summary.json")["stop_reason"].as_str().unwrap().to_owned();
-    assert!(reason.starts_with("divergence comes first, between density 0."), "{reason}");
+    let reason = json(&case, "search/summary.json")["stop_reason"]
+        .as_str()
+        .unwrap()
+        .to_owned();
+    assert!(
+        reason.starts_with("divergence comes first, between density 0."),
+        "{reason}"
+    );
     let densities: Vec<f64> = reason.split(' ').filter_map(|w| w.parse().ok()).collect();
-    assert!((0.68..0.85).contains(&densities[0]) && (0.68..0.85).contains(&densities[1]), "{reason}");
+    assert!(
+        (0.68..0.85).contains(&densities[0]) && (0.68..0.85).contains(&densities[1]),
+        "{reason}"
+    );
 }
 
 #[test]
@@ -174,7 +243,10 @@ fn what_is_wrong_in_a_march_is_named() {
         ("search.to=\"12 m/s\"", "search.to"),
         ("search.parameter=\"temperature\"", "altitude"),
         ("search={parameter=\"speed\", from=\"300 m/s\"}", "speed 300.000 m/s"),
-        ("search={parameter=\"altitude\", first=\"100 km\"}", "standard atmosphere"),
+        (
+            "search={parameter=\"altitude\", first=\"100 km\"}",
+            "standard atmosphere",
+        ),
         ("modes.count=12", "frequencies"),
         ("search.tolerance=2", "search"),
         ("march.start_displacement=0", "march.start_displacement"),

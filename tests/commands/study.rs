@@ -122,7 +122,10 @@ fn a_whole_study_records_corrects_and_marches() {
     // Subcritical damping of the march beside that of the lattice, mode by mode.
     assert!(page.contains("Subcritical damping"));
     let beside = std::fs::read_to_string(case.path("out/damping_M0.678.svg")).unwrap();
-    assert!(beside.contains("Euler march, Yates' modes, mode 1") || beside.contains("Euler march, Yates&#39; modes, mode 1"));
+    assert!(
+        beside.contains("Euler march, Yates' modes, mode 1")
+            || beside.contains("Euler march, Yates&#39; modes, mode 1")
+    );
     assert!(beside.matches("mode 1").count() >= 4, "the lattice's curve is missing");
     // A curve that is lost is made again from the recordings, which are kept.
     std::fs::remove_file(case.path("out/dlm-corrected-by-pitch-yates-modes/summary.json")).unwrap();

@@ -170,7 +170,8 @@ fn assemble(
                 check: c.name.to_string(),
                 subject: c.subject.to_string(),
                 value: c.value.filter(|v| v.is_finite()),
-                limit: c.limit,
+                // JSON has no infinity.
+                limit: Some(c.limit).filter(|v| v.is_finite()),
                 verdict,
             });
         }

@@ -62,8 +62,8 @@ pub struct AuditLine {
     pub subject: String,
     /// Its value.
     pub value: Option<f64>,
-    /// What it must not exceed.
-    pub limit: f64,
+    /// What it must not exceed, where there is such a number.
+    pub limit: Option<f64>,
     /// The verdict in a word.
     pub verdict: String,
 }

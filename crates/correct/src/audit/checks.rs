@@ -192,27 +192,39 @@ pub(super) fn against_lattice(
     Ok(())
 }
 
-pub(super) fn weights(audit: &mut Audit, correction: &Correction, area: &[f64], limits: &Limits) {
+/// How much the weights change the reference motion's downwash, root mean square over that of the downwash: where a mode
+/// hardly moves, a large ratio changes little.
+pub(super) fn weights(
+    audit: &mut Audit,
+    correction: &Correction,
+    references: &References,
+    area: &[f64],
+    b_m: f64,
+    limits: &Limits,
+) {
     // Methods that replace pressures of modes use no weights: nothing they rest on would be judged.
     let replaced = |m: Method| matches!(m, Method::Mode | Method::Full);
     if !correction.methods.is_empty() && correction.methods.iter().all(|c| replaced(c.method)) {
         return;
     }
-    let total: f64 = area.iter().sum();
     for at in &correction.recordings {
+        let wash = references.motion.downwash(at.k / b_m);
+        let wash = wash.column(references.main);
+        let sum = |of: &dyn Fn(usize) -> f64| -> f64 { (0..area.len()).map(|i| area[i] * of(i)).sum() };
         let away: Vec<f64> = at
             .weight
             .ratio
             .iter()
             .map(|w| (w - c64::new(1.0, 0.0)).norm())
             .collect();
-        let mean = (away.iter().zip(area).map(|(w, a)| w * w * a).sum::<f64>() / total).sqrt();
+        let change = sum(&|i| (away[i] * wash[i].norm()).powi(2));
+        let mean = (change / sum(&|i| wash[i].norm_sqr()).max(f64::MIN_POSITIVE)).sqrt();
         let worst = (0..away.len())
             .max_by(|i, j| away[*i].total_cmp(&away[*j]))
             .unwrap_or(0);
         let treated = at.weight.treatment.iter().filter(|t| **t != Treatment::Ratio).count();
         let at_worst = format!(
-            "root mean square of |W - 1|; worst box {worst} with W = {:.3} {:+.3} i; {treated} boxes bounded or additive",
+            "change of the downwash, root mean square over the downwash; worst box {worst} with W = {:.3} {:+.3} i; {treated} boxes bounded or additive",
             at.weight.ratio[worst].re, at.weight.ratio[worst].im
         );
         let cause =

@@ -300,7 +300,14 @@ pub fn audit(
             ),
         );
     }
-    weights(&mut audit, correction, &area, limits);
+    weights(
+        &mut audit,
+        correction,
+        references,
+        &area,
+        aerodynamics.semichord(),
+        limits,
+    );
     steady(&mut audit, aerodynamics, mapped, references, limits);
     linearity(&mut audit, mapped, &area, limits);
     for corrected in &correction.methods {
