@@ -61,7 +61,7 @@ pub struct Neutral {
     pub freq_hz: f64,
     /// Slope dg/d(parameter).
     pub slope: f64,
-    /// True if runs on both sides hold it; false if it was extrapolated (by less than the error).
+    /// True if runs on both sides hold it; false if it was extrapolated: by less than half of the tolerance where it ends a search.
     pub bracketed: bool,
 }
 
@@ -86,6 +86,9 @@ pub enum SearchStep {
 const STRIDE: f64 = 0.35;
 /// Part of the tolerance within which a value has been run already.
 const REPEATED: f64 = 0.05;
+/// Part of the tolerance by which a point may lie outside the runs. Trends extrapolated from farther away were off by more
+/// than their errors said: damping curves bend near the neutral point.
+const EXTRAPOLATED: f64 = 0.5;
 /// Change of g for a change of the parameter's logarithm by one, where nothing better is known: wings at constant Mach
 /// number show 0.2 to 1.
 const USUAL_SLOPE: f64 = 0.5;
@@ -189,6 +192,7 @@ impl Search {
         if let Some(found) = estimate
             && found.error <= self.settings.tolerance * found.at
             && (lo..=hi).contains(&found.at)
+            && (found.bracketed || self.is_next_to_a_run(found.at))
         {
             return SearchStep::Found(found);
         }
@@ -241,6 +245,12 @@ impl Search {
         // Half for the damping, half for the interpolation.
         let found = self.estimate()?;
         Some(0.5 * self.settings.tolerance * found.at * found.slope)
+    }
+
+    /// Whether a value is so close to a run that even a wrong slope carries the run's damping there within the tolerance.
+    fn is_next_to_a_run(&self, at: f64) -> bool {
+        let near = EXTRAPOLATED * self.settings.tolerance * at;
+        self.trials.iter().any(|t| (t.at - at).abs() <= near)
     }
 
     /// Factor from the outermost value `from` towards the neutral point, a little beyond it so that it comes to lie between.

@@ -54,6 +54,21 @@ fn few_runs_find_the_neutral_point_from_either_side() {
 }
 
 #[test]
+fn a_point_is_not_extrapolated_from_runs_on_one_side() {
+    // Two stable runs that a line carries far beyond the neutral point: the damping falls ever faster.
+    let bent = |rho: f64| -0.02 * (1.0 - (rho / 0.2).powi(12));
+    for first in [0.1, 0.15, 0.17, 0.19, 0.21, 0.23] {
+        let (end, runs) = search(first, |rho| oscillation(bent(rho)));
+        let SearchStep::Found(found) = end else {
+            panic!("{first}: {end:?}")
+        };
+        assert!((found.at / 0.2 - 1.0).abs() < 0.01, "{first}: {found:?} {runs:?}");
+        let nearest = runs.iter().map(|r| (r / found.at - 1.0).abs()).fold(f64::MAX, f64::min);
+        assert!(found.bracketed || nearest <= 0.005, "{first}: {found:?} {runs:?}");
+    }
+}
+
+#[test]
 fn errors_of_the_dampings_widen_the_answer_and_cost_runs_but_do_not_mislead() {
     // Dampings off by a fixed pattern of one standard error.
     let sign = |rho: f64| {

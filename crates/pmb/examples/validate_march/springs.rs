@@ -1,0 +1,124 @@
+//! Sections on springs: one whose flutter is known from Possio's equation, and Isogai's case A.
+
+use std::fmt::Write as _;
+use std::fs;
+use std::path::Path;
+
+use dip_report::{Chart, Figure, Marker, Series};
+
+use crate::driver::Outcome;
+use crate::section::{self, Section};
+use crate::{mesh, percent, search};
+
+/// `theodorsen_2dof_flutter.csv`, its first case.
+const HODGES: Section = Section {
+    a: -0.2,
+    x_alpha: 0.1,
+    r2: 0.24,
+    mu: 20.0,
+    frequency_ratio: 0.4,
+};
+
+/// Isogai's case A (`isogai_caseA.json`).
+const ISOGAI: Section = Section {
+    a: -2.0,
+    x_alpha: 1.8,
+    r2: 3.48,
+    mu: 60.0,
+    frequency_ratio: 1.0,
+};
+
+pub fn section(_: &Path) -> Outcome<String> {
+    let mut page = String::from(
+        "## A section on springs\n\n\
+        a = -0.2, x_alpha = 0.1, r^2 = 0.24, mu = 20, omega_h / omega_alpha = 0.4; NACA 0002 on a C grid (161 x 33 points), marched at fixed \
+        Mach number with the speed varied. Reference: Possio's equation (thin plate, compressible), which at Mach 0 is Theodorsen's: \
+        2.184 and 0.6490 there (`theodorsen_2dof_flutter.csv`).\n\n\
+        | Mach | U / (b omega_alpha), march | Possio | | omega / omega_alpha, march | Possio | | marches | CPU, s |\n|---|---|---|---|---|---|---|---|---|\n",
+    );
+    let [speed, frequency] = HODGES.flutter(0.0).ok_or("no flutter by Theodorsen's function")?;
+    println!("Theodorsen: {speed:.4} {frequency:.4}");
+    let grid = mesh("thin_aerofoil_unsteady")?;
+    for mach in [0.2, 0.3, 0.5] {
+        let [exact, ratio] = HODGES.flutter(mach).ok_or("no flutter by Possio's equation")?;
+        let freq_hz = ratio * section::OMEGA_ALPHA / std::f64::consts::TAU;
+        let case = HODGES.case(grid.clone(), mach, freq_hz)?;
+        let (still, seconds) = case.still()?;
+        println!("section at Mach {mach}: Possio {exact:.4} {ratio:.4}");
+        let found = case.search(&still, search(0.85 * exact, [0.5, 6.0], 0.005), |v| HODGES.stream(v))?;
+        let n = found.neutral().ok_or("no flutter point")?;
+        let ours = n.freq_hz * std::f64::consts::TAU / section::OMEGA_ALPHA;
+        let _ = writeln!(
+            page,
+            "| {mach} | {:.4} +- {:.4} | {exact:.4} | {} | {ours:.4} | {ratio:.4} | {} | {} | {:.1} |",
+            n.at,
+            n.error,
+            percent(n.at, exact),
+            percent(ours, ratio),
+            found.rows.len(),
+            found.cpu_s + seconds
+        );
+    }
+    Ok(page)
+}
+
+pub fn isogai(folder: &Path) -> Outcome<String> {
+    let mut page = String::from(
+        "## Isogai's case A\n\n\
+        a = -2, x_alpha = 1.8, r^2 = 3.48, mu = 60, omega_h = omega_alpha; NACA 64A010, Euler flow, C grid. V_f = U / (b omega_alpha sqrt(mu)), the lowest \
+        speed of flutter. Published Euler results dip from 1.1 - 1.3 at Mach 0.75 to 0.5 - 0.6 near 0.82 - 0.86 and rise beyond 0.9 (no table \
+        of them is at hand).\n\n\
+        | Mach | V_f | error | omega / omega_alpha | marches | CPU, s |\n|---|---|---|---|---|---|\n",
+    );
+    let grid = mesh("naca64a010_unsteady")?;
+    let root_mu = ISOGAI.mu.sqrt();
+    let mut curve = Vec::new();
+    let mut frequencies = Vec::new();
+    let mut last = 1.2;
+    for step in 0..9 {
+        let mach = 0.7 + 0.025 * f64::from(step);
+        let mut case = ISOGAI.case(grid.clone(), mach, 13.0)?;
+        case.start = vec![5e-4, 0.0];
+        let (still, seconds) = case.still()?;
+        println!("Isogai at Mach {mach:.3}");
+        // From below, so that the lowest of several neutral points is found.
+        let settings = search(0.75 * last * root_mu, [0.1 * root_mu, 4.0 * root_mu], 0.01);
+        let found = case.search(&still, settings, |v| ISOGAI.stream(v))?;
+        match found.neutral() {
+            Some(n) => {
+                let ratio = n.freq_hz * std::f64::consts::TAU / section::OMEGA_ALPHA;
+                last = n.at / root_mu;
+                curve.push((mach, last));
+                frequencies.push((mach, ratio));
+                let _ = writeln!(
+                    page,
+                    "| {mach:.3} | {last:.3} | {:.3} | {ratio:.3} | {} | {:.1} |",
+                    n.error / root_mu,
+                    found.rows.len(),
+                    found.cpu_s + seconds
+                );
+            }
+            None => {
+                let _ = writeln!(
+                    page,
+                    "| {mach:.3} | {:?} | | | {} | {:.1} |",
+                    found.end,
+                    found.rows.len(),
+                    found.cpu_s
+                );
+            }
+        }
+    }
+    let speed = Chart::new("Flutter speed", "Mach number", "V_{f} = U / (b omega_{alpha} mu^{1/2})")
+        .series(Series::line_markers("Euler march", curve, Marker::Circle))
+        .y_range(0.0, 2.0);
+    let frequency = Chart::new("Frequency", "Mach number", "omega / omega_{alpha}").series(Series::line_markers(
+        "Euler march",
+        frequencies,
+        Marker::Circle,
+    ));
+    let figure = Figure::new("Isogai's case A").row(vec![speed, frequency]);
+    fs::write(folder.join("isogai.svg"), figure.svg(1100, 440)?)?;
+    page.push_str("\n![Isogai's case A](isogai.svg)\n");
+    Ok(page)
+}
