@@ -394,14 +394,15 @@ fn deformation(page: &mut String, full: bool) -> Outcome<()> {
     Ok(())
 }
 
-/// Every AGARD 445.6 recipe that is shipped, by name.
+/// Every recipe of the AGARD 445.6 wing that is shipped (not that of its section), by name.
 fn agard_recipes() -> Outcome<Vec<String>> {
     let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../../meshes");
     let mut names = Vec::new();
     for entry in std::fs::read_dir(folder)? {
         let path = entry?.path();
         let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-        if name.starts_with("agard445") && path.extension().is_some_and(|e| e == "toml") {
+        if name.starts_with("agard445") && !name.ends_with("_section") && path.extension().is_some_and(|e| e == "toml")
+        {
             names.push(name);
         }
     }
