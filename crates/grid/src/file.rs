@@ -124,12 +124,29 @@ type Raw = (MultiBlock, Vec<String>, bool);
 
 fn open_plot3d(path: &Path) -> Result<Raw, FileError> {
     let read = plot3d::read(path)?;
-    let notes = vec![describe(&read.layout, read.blocks.len())];
+    let mut notes = vec![describe(&read.layout, read.blocks.len())];
+    notes.extend(overset(&read));
     let grid = MultiBlock {
         blocks: read.blocks,
         topology: crate::Topology::default(),
     };
     Ok((grid, notes, !read.layout.double))
+}
+
+/// Holes and fringes of an overset grid (iblank of zero and below), which nothing here knows.
+fn overset(read: &plot3d::Grid) -> Option<String> {
+    let marked = |blank: &Option<Vec<i32>>| blank.iter().flatten().filter(|&&v| v <= 0).count();
+    let (block, count) = read
+        .iblank
+        .iter()
+        .map(marked)
+        .enumerate()
+        .find(|(_, count)| *count > 0)?;
+    let all: usize = read.iblank.iter().map(marked).sum();
+    Some(format!(
+        "iblank marks {all} nodes as holes or as interpolated from other blocks (first in block {block}, {count} there): \
+         overset grids are not understood, all cells are taken as cells of the flow"
+    ))
 }
 
 #[cfg(feature = "cgns")]

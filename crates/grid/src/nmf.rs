@@ -56,36 +56,50 @@ pub fn condition(name: &str) -> Option<Condition> {
         });
     }
     let starts = |list: &[&str]| list.iter().any(|s| name.starts_with(s));
-    Some(if starts(&["viscous", "no_slip", "wall_viscous", "isothermal"]) {
-        Condition::WallNoSlip
-    } else if starts(&["tangency", "inviscid", "slip"]) {
-        Condition::WallSlip
-    } else if starts(&["wall", "solid"]) {
-        Condition::Wall
-    } else if starts(&["symmetry", "sym"]) {
-        Condition::Symmetry
-    } else if starts(&["farfield_pbck"]) {
-        Condition::OutflowSubsonic
-    } else if starts(&["far", "freestream", "riemann"]) {
-        Condition::FarField
-    } else if starts(&["extrapolate", "outflow_supersonic", "outflow-supersonic"]) {
-        Condition::OutflowSupersonic
-    } else if starts(&["back_pressure", "outflow", "subsonic_outflow", "extrapolation_pressure"]) {
-        Condition::OutflowSubsonic
-    } else if starts(&[
-        "inflow_supersonic",
-        "inflow-supersonic",
-        "supersonic_inflow",
-        "fixed_inflow",
-    ]) {
-        Condition::InflowSupersonic
-    } else if starts(&["subsonic_inflow", "inflow", "freestream_inflow"]) {
-        Condition::InflowSubsonic
-    } else if starts(&["pole", "singular", "collapsed", "degenerate", "point"]) {
-        Condition::Collapsed
-    } else {
-        return None;
-    })
+    Some(
+        if starts(&["viscous", "no_slip", "wall_viscous", "isothermal", "adiabatic"]) {
+            Condition::WallNoSlip
+        } else if starts(&["tangency", "inviscid", "slip"]) {
+            Condition::WallSlip
+        } else if starts(&["wall", "solid"]) {
+            Condition::Wall
+        } else if starts(&["symmetry", "sym"]) {
+            Condition::Symmetry
+        } else if starts(&["farfield_pbck"]) {
+            Condition::OutflowSubsonic
+        } else if starts(&["far", "freestream", "riemann"]) {
+            Condition::FarField
+        } else if starts(&[
+            "extrapolate",
+            "outflow_supersonic",
+            "outflow-supersonic",
+            "supersonic_outflow",
+            "fixed_outflow",
+        ]) {
+            Condition::OutflowSupersonic
+        } else if starts(&[
+            "back_pressure",
+            "backpressure",
+            "outflow",
+            "subsonic_outflow",
+            "extrapolation_pressure",
+        ]) {
+            Condition::OutflowSubsonic
+        } else if starts(&[
+            "inflow_supersonic",
+            "inflow-supersonic",
+            "supersonic_inflow",
+            "fixed_inflow",
+        ]) {
+            Condition::InflowSupersonic
+        } else if starts(&["subsonic_inflow", "inflow", "freestream_inflow"]) {
+            Condition::InflowSubsonic
+        } else if starts(&["pole", "singular", "collapsed", "degenerate", "point", "axis"]) {
+            Condition::Collapsed
+        } else {
+            return None;
+        },
+    )
 }
 
 /// Reads the topology of `grid` (whose blocks are known) from the text of a neutral map file.

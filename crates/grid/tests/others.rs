@@ -222,6 +222,12 @@ fn types_of_neutral_maps_are_known_by_name_and_by_number() {
         ("'back_pressure'", Condition::OutflowSubsonic),
         ("'subsonic_inflow_pt'", Condition::InflowSubsonic),
         ("'subsonic_outflow_p0'", Condition::OutflowSubsonic),
+        ("backpressure", Condition::OutflowSubsonic),
+        ("'symmetry_x'", Condition::Symmetry),
+        ("SYM_Y", Condition::Symmetry),
+        ("'viscous_wall_function'", Condition::WallNoSlip),
+        ("'fixed_outflow'", Condition::OutflowSupersonic),
+        ("POLE_DIR1", Condition::Collapsed),
         ("2004", Condition::WallNoSlip),
         ("'1005'", Condition::WallSlip),
         ("1003", Condition::FarField),
@@ -260,4 +266,102 @@ fn planes_with_three_coordinates_read_either_way() {
             assert_eq!(read.blocks[0].point(1, 1, 0)[2], 2.0, "{text}");
         }
     }
+}
+
+/// A record of a Fortran program: its bytes between their number, twice.
+fn record(content: &[u8]) -> Vec<u8> {
+    let mark = (content.len() as u32).to_le_bytes();
+    [&mark, content, &mark].concat()
+}
+
+fn bytes<const N: usize, T: Copy>(values: &[T], one: impl Fn(T) -> [u8; N]) -> Vec<u8> {
+    values.iter().flat_map(|&v| one(v)).collect()
+}
+
+/// Solutions as OVERFLOW writes them (read in nasa/cape, cape/pyover/plot3d.py): NQ and NQC behind the sizes, an integer among the
+/// reference values, the ratio of specific heats and a turbulence variable behind the five variables.
+#[test]
+fn solutions_of_overflow_read() {
+    let sizes: [i32; 6] = [4, 3, 2, 2, 2, 2];
+    for (species, newer) in [(0, true), (0, false), (3, true)] {
+        let head = [&sizes[..], &[7, species]].concat();
+        let mut file = [
+            record(&bytes(&[2i32], i32::to_le_bytes)),
+            record(&bytes(&head, i32::to_le_bytes)),
+        ]
+        .concat();
+        for (block, count) in [24, 8].into_iter().enumerate() {
+            let before = bytes(&[0.8, 2.5, 1e6, 0.25, 1.4, 0.0, 518.7f64], f64::to_le_bytes);
+            let gases = 3 + (species as usize).max(2) + if newer { 3 } else { 0 };
+            let behind = bytes(&vec![1.0; gases], f64::to_le_bytes);
+            file.extend(record(&[before, 1i32.to_le_bytes().to_vec(), behind].concat()));
+            let values: Vec<f64> = (0..7 * count).map(|n| (1000 * block + n) as f64).collect();
+            file.extend(record(&bytes(&values, f64::to_le_bytes)));
+        }
+        let read = plot3d::parse_solution("q.save", &file).unwrap();
+        assert_eq!(read.blocks.len(), 2);
+        let block = &read.blocks[1];
+        assert_eq!((block.nodes, block.reference), ([2, 2, 2], [0.8, 2.5, 1e6, 0.25]));
+        assert_eq!((block.q.len(), block.q[4][3], block.q[6][7]), (7, 1035.0, 1055.0));
+        // Written again it is Plot3D's own, which has five variables.
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("q");
+        plot3d::write_solution(&path, &read).unwrap();
+        let again = plot3d::read_solution(&path).unwrap();
+        assert_eq!(again.blocks[0].q, read.blocks[0].q[..5]);
+        // Cut short it is none.
+        assert!(plot3d::parse_solution("q.save", &file[..file.len() - 9]).is_err());
+    }
+}
+
+/// Programs compiled with eight-byte integers (`-i8`): sizes are such, with the number of blocks and without.
+#[test]
+fn sizes_in_integers_of_eight_bytes_read() {
+    let nodes: Vec<f64> = (0..3 * 12).map(f64::from).collect();
+    for multi in [true, false] {
+        let mut file = Vec::new();
+        if multi {
+            file.extend(record(&bytes(&[1i64], i64::to_le_bytes)));
+        }
+        file.extend(record(&bytes(&[3i64, 2, 2], i64::to_le_bytes)));
+        file.extend(record(&bytes(&nodes, f64::to_le_bytes)));
+        let read = plot3d::parse("grid", &file).unwrap();
+        assert_eq!((read.blocks[0].nodes(), read.layout.multi), ([3, 2, 2], multi));
+        assert_eq!(read.blocks[0].point(2, 1, 1), [11.0, 23.0, 35.0]);
+    }
+}
+
+/// Files that are no grids at all say what they are.
+#[test]
+fn files_of_another_kind_are_named() {
+    let error = |content: &[u8]| plot3d::parse("file", content).unwrap_err().to_string();
+    assert!(error(b"\x1f\x8b\x08\x00rest").contains("gunzip"));
+    assert!(error(b"\x89HDF\r\n\x1a\n").contains(".cgns"));
+    let text = error(b"1\n2 2 2\n0.0 1.0 0.0\n1.0 ******** 1.0\n");
+    assert!(text.contains("line 4: \"********\" is no number"), "{text}");
+    assert!(error(b"NDIME= 2\n").contains("line 1: \"NDIME=\""));
+    let text = plot3d::parse_solution("q", b"1\n2 2 2 rho\n").unwrap_err().to_string();
+    assert!(text.contains("line 2: \"rho\""), "{text}");
+}
+
+/// Holes and fringes of overset grids are told, for nothing here knows them.
+#[test]
+fn holes_of_an_overset_grid_are_told() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("grid.in");
+    let block = box_grid([0.0; 3], [1.0; 3], [2, 2, 2]).blocks.remove(0);
+    let layout = plot3d::Layout {
+        iblank: true,
+        ..plot3d::Layout::default()
+    };
+    let mut blank = vec![1; 27];
+    let told = |blank: &[i32]| {
+        plot3d::write(&path, std::slice::from_ref(&block), &[Some(blank.to_vec())], layout).unwrap();
+        let opened = file::open(&path, None).unwrap();
+        opened.notes.iter().any(|n| n.contains("iblank marks 2 nodes"))
+    };
+    assert!(!told(&blank));
+    // A wall (2) is none, a hole (0) and a node interpolated from block 3 (-3) are.
+    [blank[4], blank[7], blank[9]] = [2, 0, -3];
+    assert!(told(&blank));
 }

@@ -1,6 +1,6 @@
 //! Finds the layout of a grid file, and reads it.
 
-use super::bytes::{Order, records, text};
+use super::bytes::{Order, known, odd_word, records, text};
 use super::records::unformatted;
 use super::{Encoding, Grid, Layout};
 use crate::block::Block;
@@ -42,6 +42,7 @@ pub(super) fn grid(bytes: &[u8]) -> Result<Grid, String> {
         Some(n) => fits.swap_remove(n),
         None if !fits.is_empty() => fits.swap_remove(0),
         None => {
+            no_grid(bytes)?;
             let start = tried.into_iter().next().unwrap_or_else(|| {
                 "no Plot3D layout fits its length: neither Fortran records (their markers do not chain to the end), nor \
                  stream binary (block sizes and coordinates do not add up to the length), nor text"
@@ -55,6 +56,20 @@ pub(super) fn grid(bytes: &[u8]) -> Result<Grid, String> {
     };
     check(&chosen)?;
     Ok(chosen)
+}
+
+/// An error for a file that is plainly something else.
+pub(super) fn no_grid(bytes: &[u8]) -> Result<(), String> {
+    if let Some(what) = known(bytes) {
+        return Err(format!("not Plot3D but {what}"));
+    }
+    if let Some((line, word)) = odd_word(bytes) {
+        let word: String = word.chars().take(40).collect();
+        return Err(format!(
+            "line {line}: \"{word}\" is no number; a Plot3D text file holds numbers alone"
+        ));
+    }
+    Ok(())
 }
 
 fn check(grid: &Grid) -> Result<(), String> {

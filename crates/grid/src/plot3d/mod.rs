@@ -6,6 +6,7 @@
 
 mod bytes;
 mod detect;
+mod overflow;
 mod records;
 mod solution;
 mod write;

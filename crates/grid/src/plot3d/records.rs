@@ -148,12 +148,24 @@ fn size_before_each(all: &[Vec<&[u8]>], order: Order, encoding: Encoding) -> Opt
     }))
 }
 
-/// Sizes as integers, the number of blocks if the file says it, and how many records that took.
+/// Sizes as integers, the number of blocks if the file says it, and how many records that took. Integers have four bytes, or
+/// eight (programs compiled with `-i8`) where that makes sense.
 pub(super) fn record_header(all: &[Vec<&[u8]>], order: Order) -> Result<(Vec<i64>, Option<usize>, usize), String> {
+    let first = all.first().map(|r| r.concat()).unwrap_or_default();
+    // Two sizes of four bytes are a number far beyond any size.
+    let small = |v: &i64| (1..=i64::from(i32::MAX)).contains(v);
+    let long = !first.is_empty() && first.len().is_multiple_of(8) && order.long_integers(&first).iter().all(small);
+    let width = if long { 8 } else { 4 };
     let integers = |n: usize| -> Option<Vec<i64>> {
         let record = all.get(n)?.concat();
-        (record.len() <= 12 * MOST_BLOCKS && record.len().is_multiple_of(4))
-            .then(|| order.integers(&record).into_iter().map(i64::from).collect())
+        let believed = record.len() <= 3 * width * MOST_BLOCKS && record.len().is_multiple_of(width);
+        believed.then(|| {
+            if long {
+                order.long_integers(&record)
+            } else {
+                order.integers(&record).into_iter().map(i64::from).collect()
+            }
+        })
     };
     let first = integers(0).ok_or("its first record is not a header of integers")?;
     if let [count] = first[..] {

@@ -3,7 +3,8 @@
 use std::path::Path;
 
 use super::bytes::{Order, records, text};
-use super::detect::{Size, headers, nodes, sizes, stream_header};
+use super::detect::{Size, headers, no_grid, nodes, sizes, stream_header};
+use super::overflow;
 use super::records::record_header;
 use super::write::{Writer, header};
 use super::{Encoding, Layout, Plot3dError};
@@ -15,7 +16,8 @@ pub struct SolutionBlock {
     pub nodes: [usize; 3],
     /// Free stream Mach number, angle of attack (deg), Reynolds number, time.
     pub reference: [f64; 4],
-    /// Density, momentum (2 or 3 components), total energy, non-dimensional as the writer chose: `[variable][k][j][i]`.
+    /// Density, momentum (2 or 3 components), total energy, non-dimensional as the writer chose: `[variable][k][j][i]`. Files of
+    /// OVERFLOW have more behind these: the ratio of specific heats, species, turbulence.
     pub q: Vec<Vec<f64>>,
 }
 
@@ -75,7 +77,11 @@ fn solution(bytes: &[u8]) -> Result<Solution, String> {
     for big_endian in [false, true] {
         let order = Order { big_endian };
         for marker in [4, 8] {
-            if let Some(found) = records(bytes, order, marker).and_then(|all| from_records(&all, order, marker)) {
+            let Some(all) = records(bytes, order, marker) else {
+                continue;
+            };
+            let found = from_records(&all, order, marker).or_else(|| overflow::solution(&all, order, marker));
+            if let Some(found) = found {
                 return Ok(found);
             }
         }
@@ -112,12 +118,14 @@ fn solution(bytes: &[u8]) -> Result<Solution, String> {
             .flat_map(|b| b.q.iter().flatten())
             .all(|v| v.is_finite() && v.abs() < 1e30)
     };
-    fits.into_iter().find(sane).ok_or_else(|| {
-        format!(
-            "no layout of a Plot3D solution fits its {} bytes; it may be truncated or of another format",
-            bytes.len()
-        )
-    })
+    if let Some(found) = fits.into_iter().find(sane) {
+        return Ok(found);
+    }
+    no_grid(bytes)?;
+    Err(format!(
+        "no layout of a Plot3D solution fits its {} bytes; it may be truncated or of another format",
+        bytes.len()
+    ))
 }
 
 fn from_records(all: &[Vec<&[u8]>], order: Order, marker: usize) -> Option<Solution> {
@@ -180,7 +188,7 @@ fn build(sizes: &[Size], layout: Layout, numbers: Vec<f64>) -> Solution {
     Solution { blocks, layout }
 }
 
-/// Writes a solution in its layout.
+/// Writes a solution in its layout: the arrays that Plot3D has a place for, without those that OVERFLOW adds.
 /// # Errors
 /// If the file cannot be written or the arrays do not have the sizes the blocks say.
 pub fn write_solution(path: &Path, solution: &Solution) -> Result<(), Plot3dError> {
@@ -199,7 +207,7 @@ pub fn write_solution(path: &Path, solution: &Solution) -> Result<(), Plot3dErro
     header(&mut out, &sizes, layout.multi).map_err(content)?;
     for (n, block) in solution.blocks.iter().enumerate() {
         let count: usize = block.nodes.iter().product();
-        if block.q.len() != variables || block.q.iter().any(|v| v.len() != count) {
+        if block.q.len() < variables || block.q.iter().any(|v| v.len() != count) {
             return Err(content(format!(
                 "block {}: {variables} arrays of {count} values are needed",
                 n + 1
@@ -209,7 +217,7 @@ pub fn write_solution(path: &Path, solution: &Solution) -> Result<(), Plot3dErro
         out.reals(&block.reference);
         out.end();
         out.begin();
-        for v in &block.q {
+        for v in &block.q[..variables] {
             out.reals(v);
         }
         out.end();

@@ -97,7 +97,8 @@ pub(super) fn cover_findings(grid: &MultiBlock, findings: &mut Vec<Finding>) {
             if free > 0 {
                 let first = owner.iter().position(|&o| o == usize::MAX).unwrap_or(0);
                 let text = format!(
-                    "block {n} ({}) {face}: {free} of {} face cells have no condition and no neighbour, first ({}, {})",
+                    "block {n} ({}) {face}: {free} of {} face cells have no condition and no neighbour, first ({}, {}); a .bc.toml or \
+                     .nmf beside the grid gives conditions",
                     block.name,
                     np * nq,
                     first % np,
