@@ -2,9 +2,9 @@
 
 use std::path::Path;
 
-use dip_grid::MultiBlock;
 use dip_grid::quality::{self, names};
 use dip_grid::recipe::{self, RecipeError};
+use dip_grid::{MultiBlock, metrics, vector};
 
 const AEROFOIL: &str = "
 [section]
@@ -69,7 +69,7 @@ fn step_off(a: &MultiBlock, b: &MultiBlock) -> f64 {
     let mut worst = 0.0f64;
     for k in 0..=a.nk {
         for i in 0..=a.ni {
-            let step = |g: &dip_grid::Block| dip_grid::vector::distance(g.point(i, 0, k), g.point(i, 1, k));
+            let step = |g: &dip_grid::Block| vector::distance(g.point(i, 0, k), g.point(i, 1, k));
             worst = worst.max((step(b) / step(a) - 1.0).abs());
         }
     }
@@ -124,6 +124,69 @@ fn every_plane_of_a_wing_is_smoothed() {
             }
         }
     }
+}
+
+/// The O-O grid of the same wing.
+fn wing_oo() -> String {
+    let mut text = WING.replace("wing-ch", "wing-oo");
+    for line in ["wake = 16\n", "outboard = 8\n", "exit = \"8 m\"\n"] {
+        text = text.replace(line, "");
+    }
+    text
+}
+
+/// Mean and largest angle between first steps and the normal of the four faces about their feet, where the wing is a wing: off
+/// symmetry plane, trailing edge and tip.
+fn lean(grid: &MultiBlock, [tail, span]: [usize; 2]) -> [f64; 2] {
+    let block = &grid.blocks[0];
+    let mut angles = Vec::new();
+    for k in 1..span {
+        for i in tail + 2..block.ni - tail - 1 {
+            let node = |di: usize, dk: usize| block.point(i + di - 1, 0, k + dk - 1);
+            let mut normal = [0.0; 3];
+            for (a, c) in [(0, 0), (1, 0), (0, 1), (1, 1)] {
+                let face = metrics::face_area(node(a, c), node(a + 1, c), node(a + 1, c + 1), node(a, c + 1));
+                normal = vector::add(normal, face);
+            }
+            let step = vector::sub(block.point(i, 1, k), block.point(i, 0, k));
+            let cos = vector::dot(vector::unit(step), vector::unit(normal)).abs();
+            angles.push(cos.min(1.0).acos().to_degrees());
+        }
+    }
+    let sum: f64 = angles.iter().sum();
+    [sum / angles.len() as f64, angles.iter().copied().fold(0.0, f64::max)]
+}
+
+/// Planes y = const meet a swept nose at the angle of its sweep; smoothing turns the lines into the wall's normal there too.
+#[test]
+fn lines_leave_a_swept_wing_at_a_right_angle() {
+    for (text, inside) in [(WING.to_owned(), [16, 9]), (wing_oo(), [0, 9])] {
+        let map = make(&text).unwrap();
+        let smooth = make(&format!("{text}[smoothing]\n")).unwrap();
+        let (before, after) = (lean(&map, inside), lean(&smooth, inside));
+        assert!(before[0] > 3.0 && before[1] > 40.0, "{before:?}");
+        assert!(after[0] < 0.5 && after[1] < 4.0, "{before:?} {after:?}");
+        let step_off = step_off(&map, &smooth);
+        assert!(step_off < 1e-3, "{step_off}");
+        let [before, after] = [&map, &smooth].map(angles);
+        assert!(
+            after[1] < 0.6 * before[1] && after[2] < before[2] + 3.0,
+            "{before:?} {after:?}"
+        );
+        // Both sides of cuts and sheets are one surface still, every volume is positive.
+        let report = quality::check(&smooth);
+        assert!(report.is_good(), "{report}");
+    }
+}
+
+/// Interpolation between the edges of a surface that bends round the tip would leave the wall aslant: it is refused.
+#[test]
+fn o_o_grids_are_smoothed_from_the_map_alone() {
+    let error = make(&format!("{}[smoothing]\nstart = \"transfinite\"\n", wing_oo())).unwrap_err();
+    assert!(
+        error.to_string().contains("smoothing.start: \"map\" in O-O grids"),
+        "{error}"
+    );
 }
 
 #[test]

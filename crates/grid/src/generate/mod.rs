@@ -17,6 +17,7 @@ mod plane_c;
 mod smoothing;
 pub mod spacing;
 mod transfinite;
+mod wall_normal;
 mod wing_ch;
 mod wing_oo;
 
@@ -66,7 +67,7 @@ pub enum GenerateError {
     },
     /// Smoothing left folded cells.
     #[error(
-        "{folded} cells of a plane are folded after {sweeps} sweeps of smoothing, the last of which moved a node by {change:.1e} \
+        "{folded} cells are folded after {sweeps} sweeps of smoothing, the last of which moved a node by {change:.1e} \
          of its step: take more sweeps, or smoothing.start = \"map\""
     )]
     Folded {

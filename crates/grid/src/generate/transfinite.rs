@@ -1,4 +1,4 @@
-//! The inside of a plane from its four edges alone: transfinite interpolation.
+//! The inside of a plane or surface from its four edges alone: transfinite interpolation.
 
 /// Fills the inside of `nodes` `[j][i]`, (ni + 1) x (nj + 1) of them, from its edges.
 ///
@@ -6,7 +6,7 @@
 /// Num. Meth. Eng. 7 (1973): the sum of the interpolations along both directions less that of the corners. The blending
 /// functions are the arc lengths along the edges (B. K. Soni, AIAA 85-1526: those of opposite edges are blended so that
 /// they agree in the inside), so that the edges' clustering is carried inside.
-pub(super) fn transfinite(nodes: &mut [[f64; 2]], ni: usize, nj: usize) {
+pub(super) fn transfinite<const D: usize>(nodes: &mut [[f64; D]], ni: usize, nj: usize) {
     let width = ni + 1;
     let (low, high) = (shares(nodes, 0, 1, ni), shares(nodes, width * nj, 1, ni));
     let (first, last) = (shares(nodes, 0, width, nj), shares(nodes, ni, width, nj));
@@ -18,7 +18,7 @@ pub(super) fn transfinite(nodes: &mut [[f64; 2]], ni: usize, nj: usize) {
             let (ds, dv) = (high[i] - low[i], last[j] - first[j]);
             let s = (low[i] + first[j] * ds) / (1.0 - ds * dv);
             let v = first[j] + s * dv;
-            for d in 0..2 {
+            for d in 0..D {
                 let along = (1.0 - s) * nodes[width * j][d] + s * nodes[ni + width * j][d];
                 let across = (1.0 - v) * nodes[i][d] + v * nodes[i + width * nj][d];
                 let both = (1.0 - v) * ((1.0 - s) * corners[0][d] + s * corners[1][d])
@@ -30,11 +30,11 @@ pub(super) fn transfinite(nodes: &mut [[f64; 2]], ni: usize, nj: usize) {
 }
 
 /// Arc length from the start of an edge over its whole length; the number of the node over n where it has no length.
-fn shares(nodes: &[[f64; 2]], from: usize, step: usize, n: usize) -> Vec<f64> {
+fn shares<const D: usize>(nodes: &[[f64; D]], from: usize, step: usize, n: usize) -> Vec<f64> {
     let mut out = vec![0.0; n + 1];
     for m in 1..=n {
         let (p, q) = (nodes[from + step * (m - 1)], nodes[from + step * m]);
-        out[m] = out[m - 1] + (q[0] - p[0]).hypot(q[1] - p[1]);
+        out[m] = out[m - 1] + (0..D).map(|d| (q[d] - p[d]).powi(2)).sum::<f64>().sqrt();
     }
     let total = out[n];
     for (m, share) in out.iter_mut().enumerate() {

@@ -5,7 +5,9 @@ use rayon::prelude::*;
 use super::aerofoil::cells_for;
 use super::chord::{self, Kind, WingMaps};
 use super::plane_c::{Plane, PlaneC};
+use super::smoothing::folded;
 use super::spacing::{geometric, two_sided};
+use super::wall_normal::Wall;
 use super::{GenerateError, Smoothing, check_count, check_growth, check_positive, check_step};
 use crate::block::Block;
 use crate::face::{Face, Window};
@@ -59,7 +61,7 @@ impl WingCh {
         self.make_smoothed(None)
     }
 
-    /// The same with every plane smoothed, for which `stride` must be 1.
+    /// The same with every plane smoothed, and lines near the wall turned into its normal. `stride` must be 1.
     /// # Errors
     /// As [`Self::make`]; a smoothing that leaves folded cells.
     pub fn make_smoothed(&self, smoothing: Option<Smoothing>) -> Result<MultiBlock, GenerateError> {
@@ -100,6 +102,14 @@ impl WingCh {
             let p = plane.nodes[i + (ni + 1) * j];
             [x_le + chord * p[0], y[k], z_le + chord * p[1]]
         });
+        if let Some(Smoothing { sweeps, .. }) = smoothing.filter(|s| s.sweeps > 0) {
+            Wall::of(wing, wake + 1..ni - wake, 0..span).straighten(&mut block);
+            let folded = folded(&block);
+            if folded > 0 {
+                let change = 0.0;
+                return Err(GenerateError::Folded { folded, sweeps, change });
+            }
+        }
         for k in 0..=cells[2] {
             for i in 0..=ni {
                 // Both sides of the wake, and of the sheet outboard of the tip, are one surface: to the last bit.

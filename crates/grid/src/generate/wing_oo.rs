@@ -10,9 +10,12 @@ use rayon::prelude::*;
 
 use super::aerofoil::cells_for;
 use super::chord::{self, Kind, WingMaps, mixed};
+use super::elliptic::Smoothed;
 use super::line::spread;
+use super::smoothing::{Start, folded};
 use super::spacing::two_sided;
-use super::{GenerateError, check_count, check_positive, check_step};
+use super::wall_normal::Wall;
+use super::{GenerateError, Smoothing, check_count, check_positive, check_step};
 use crate::block::Block;
 use crate::face::{Face, Window};
 use crate::geometry::{Station, Wing};
@@ -54,6 +57,25 @@ impl WingOo {
     /// # Errors
     /// A size that is too small, a growth over the limit, a wing or section that is wrong.
     pub fn make(&self) -> Result<MultiBlock, GenerateError> {
+        self.make_smoothed(None)
+    }
+
+    /// The same with every surface from the wall to the far field (k = const) smoothed, and lines near the wall turned into its
+    /// normal. `stride` must be 1.
+    /// # Errors
+    /// As [`Self::make`]; a smoothing from transfinite interpolation, or one that leaves folded cells.
+    pub fn make_smoothed(&self, smoothing: Option<Smoothing>) -> Result<MultiBlock, GenerateError> {
+        if smoothing.is_some() && self.stride != 1 {
+            return Err(GenerateError::setting("stride", "1 with smoothing", self.stride));
+        }
+        if smoothing.is_some_and(|s| s.start == Start::Transfinite) {
+            // Interpolated between its edges alone, a surface that bends round the tip would leave the wall aslant.
+            return Err(GenerateError::setting(
+                "smoothing.start",
+                "\"map\" in O-O grids",
+                "\"transfinite\"",
+            ));
+        }
         self.check()?;
         let wing = &self.wing;
         let side = chord::side(
@@ -93,7 +115,7 @@ impl WingOo {
                 needed: cells_for(self.wall_spacing, self.far_field, self.growth_limit),
             });
         }
-        let block = Block::from_fn("wing", cells, |i, j, k| {
+        let mut block = Block::from_fn("wing", cells, |i, j, k| {
             let above = i.min(ni - i);
             // The cut behind the trailing edge and the sheet outboard of the tip are one surface: to the last bit.
             let from = if mirrored || i == ni || k == span { above } else { i };
@@ -112,10 +134,63 @@ impl WingOo {
             // No negative zero: the two sides of a cut are compared bit by bit.
             p.map(|v| v + 0.0)
         });
+        if let Some(smoothing) = smoothing {
+            self.smooth(&mut block, smoothing, mirrored)?;
+        }
         Ok(MultiBlock {
             topology: topology(cells),
             blocks: vec![block],
         })
+    }
+
+    /// Smooths every surface k = const of the block by itself, then turns the lines at the wall.
+    fn smooth(&self, block: &mut Block, smoothing: Smoothing, mirrored: bool) -> Result<(), GenerateError> {
+        let [ni, nj, nk] = block.cells();
+        let surface: Vec<(Vec<[f64; 3]>, Smoothed)> = (0..=nk)
+            .into_par_iter()
+            .map(|k| {
+                let mut nodes: Vec<[f64; 3]> = (0..=nj)
+                    .flat_map(|j| (0..=ni).map(move |i| [i, j]))
+                    .map(|[i, j]| block.point(i, j, k))
+                    .collect();
+                let done = smoothing.smooth(&mut nodes, ni, nj);
+                (nodes, done)
+            })
+            .collect();
+        for (k, (nodes, _)) in surface.iter().enumerate() {
+            for (n, &p) in nodes.iter().enumerate() {
+                block.set_point([n % (ni + 1), n / (ni + 1), k], p);
+            }
+        }
+        if smoothing.sweeps > 0 {
+            Wall::of(&self.wing, 1..ni, 0..nk).straighten(block);
+        }
+        for k in 0..=nk {
+            for j in 0..=nj {
+                for i in 0..=ni {
+                    // What is one surface, or its own mirror image, stays so to the last bit: above is done before below.
+                    let above = i.min(ni - i);
+                    let one = mirrored || k == nk;
+                    let mut p = block.point(if one { above } else { i }, j, k);
+                    if k == 0 {
+                        p[1] = self.wing.root_y();
+                    }
+                    if mirrored && (2 * above == ni || k == nk) {
+                        p[2] = 0.0;
+                    } else if mirrored && i > above {
+                        p[2] = -p[2];
+                    }
+                    block.set_point([i, j, k], p.map(|v| v + 0.0));
+                }
+            }
+        }
+        let folded = folded(block);
+        let last = |(most, change): (usize, f64), done: &Smoothed| (most.max(done.sweeps), change.max(done.change));
+        if folded > 0 {
+            let (sweeps, change) = surface.iter().map(|(_, done)| done).fold((0, 0.0), last);
+            return Err(GenerateError::Folded { folded, sweeps, change });
+        }
+        Ok(())
     }
 
     fn check(&self) -> Result<(), GenerateError> {

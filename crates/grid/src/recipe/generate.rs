@@ -43,7 +43,7 @@ const KEYS: [(&str, &[Kind]); 27] = {
         ("spacing.wake_growth", &[AerofoilC, WingCh]),
         ("extent.exit", &[WingCh]),
         ("extent.downstream", &[Bump]),
-        ("smoothing", &[AerofoilC, AerofoilO, WingCh]),
+        ("smoothing", &[AerofoilC, AerofoilO, WingCh, WingOo]),
     ]
 };
 
@@ -112,7 +112,7 @@ impl Recipe {
             Kind::AerofoilC => self.aerofoil(AerofoilKind::C)?.make_smoothed(smoothing),
             Kind::AerofoilO => self.aerofoil(AerofoilKind::O)?.make_smoothed(smoothing),
             Kind::WingCh => self.wing_ch()?.make_smoothed(smoothing),
-            Kind::WingOo => self.wing_oo()?.make(),
+            Kind::WingOo => self.wing_oo()?.make_smoothed(smoothing),
             Kind::FlatPlate | Kind::Bump | Kind::Ramp => self.channel(kind)?.make(),
             Kind::Box => return Ok((self.plain_box()?, self.coarsen.unwrap_or(0))),
         };
@@ -253,7 +253,7 @@ impl Recipe {
             tip_spacing: self.need(self.spacing.tip, "spacing.tip")?.0,
             far_field: self.need(self.extent.far_field, "extent.far_field")?.0,
             growth_limit: self.growth_limit(),
-            stride: self.stride()?,
+            stride: if self.smoothing.is_some() { 1 } else { self.stride()? },
         })
     }
 
