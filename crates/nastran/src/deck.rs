@@ -3,10 +3,11 @@
 use std::path::Path;
 
 use crate::{
-    bulk::{Bulk, is_used_parameter},
+    bulk::Bulk,
     case_control::{self, Control},
     entry,
     error::{DeckErrors, Note, Severity},
+    known,
     source::{self, Line},
 };
 
@@ -53,7 +54,7 @@ impl Deck {
         let mut bulk = Bulk::read(&entries, structure_elsewhere, &mut notes).map_err(|errors| DeckErrors { errors })?;
         // The case control section's word goes over the bulk data's.
         for parameter in &control.parameters {
-            if !is_used_parameter(&parameter.name) {
+            if !known::is_used_parameter(&parameter.name) {
                 notes.push(Note {
                     at: parameter.at.clone(),
                     card: "PARAM".to_owned(),

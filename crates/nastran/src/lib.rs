@@ -14,6 +14,7 @@ mod deck;
 mod entry;
 mod error;
 mod fields;
+mod known;
 pub mod modes;
 pub mod number;
 mod source;
