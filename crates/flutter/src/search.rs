@@ -84,6 +84,8 @@ pub enum SearchStep {
 
 /// Largest change of the parameter's logarithm from one run to the next outside known values.
 const STRIDE: f64 = 0.35;
+/// Tolerances from the first run to the second at least: two runs closer to each other tell little of the slope.
+const SECOND_STRIDE: f64 = 4.0;
 /// Part of the tolerance within which a value has been run already.
 const REPEATED: f64 = 0.05;
 /// Part of the tolerance by which a point may lie outside the runs. Trends extrapolated from farther away were off by more
@@ -257,7 +259,9 @@ impl Search {
     fn stride(&self, from: &Trial, estimate: Option<Neutral>, sign: f64) -> f64 {
         let way = match (estimate, from.stability) {
             (Some(found), _) => 1.2 * sign * (found.at / from.at).ln(),
-            (None, Stability::Oscillation { g, .. }) if self.trials.len() == 1 => 1.2 * g.abs() / USUAL_SLOPE,
+            (None, Stability::Oscillation { g, .. }) if self.trials.len() == 1 => {
+                (1.2 * g.abs() / USUAL_SLOPE).max(SECOND_STRIDE * self.settings.tolerance)
+            }
             // Several runs without a trend, or nothing to go by.
             (None, _) => STRIDE,
         };
