@@ -5,6 +5,7 @@ mod commands {
     pub mod correct;
     pub mod deck;
     pub mod flutter;
+    pub mod grid_files;
     pub mod march;
     pub mod mesh;
     pub mod pitch;

@@ -458,3 +458,37 @@ fn recipes_name_line_and_nearest_key() {
     assert!(error(huge).contains("cells are asked for"));
     assert!(error("extends = \"r.toml\"\n").contains("in a circle"));
 }
+
+/// Interfaces whose nodes are not one: apart by less than the round-off of single precision they are fine, by more a user must
+/// look, and by a share of the steps there the grid cannot be used.
+#[test]
+fn gaps_of_interfaces_are_judged_by_precision_and_by_the_steps_there() {
+    let whole = {
+        let mut grid = wavy([8, 4, 4]);
+        split::split_into(&mut grid, 2);
+        rounded(&grid)
+    };
+    assert!(quality::misfits(&whole).is_empty());
+    // In single precision, by one unit of the last place; in double precision, by a thousandth and by half of a step.
+    for (gap, single, findings, misfits) in [
+        (6e-8, true, 0, 0),
+        (6e-8, false, 1, 0),
+        (1e-4, false, 1, 0),
+        (0.1, false, 1, 1),
+    ] {
+        let mut grid = whole.clone();
+        for block in &mut grid.blocks[1..] {
+            for x in &mut block.x {
+                *x = if single {
+                    f64::from((*x + gap) as f32)
+                } else {
+                    *x + gap * (1.0 + 1e-9)
+                };
+            }
+        }
+        let apart = |all: &[quality::Finding]| all.iter().filter(|f| f.text.contains("apart")).count();
+        let report = quality::check(&grid);
+        assert_eq!(apart(&report.findings), findings, "{gap} {single}: {report}");
+        assert_eq!(apart(&quality::misfits(&grid)), misfits, "{gap} {single}");
+    }
+}

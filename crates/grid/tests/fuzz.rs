@@ -77,10 +77,33 @@ fn others() -> Vec<Vec<u8>> {
     all.iter().map(|p| std::fs::read(p).unwrap()).collect()
 }
 
+/// A record of a Fortran program.
+fn record(content: &[u8]) -> Vec<u8> {
+    let mark = (content.len() as u32).to_le_bytes();
+    [&mark, content, &mark].concat()
+}
+
+/// A solution of OVERFLOW, and a grid whose sizes are integers of eight bytes.
+fn of_records() -> Vec<Vec<u8>> {
+    let integers = |values: &[i32]| record(&values.iter().flat_map(|v| v.to_le_bytes()).collect::<Vec<_>>());
+    let reference = record(&[vec![0; 56], vec![0; 4], vec![0; 64]].concat());
+    let values = record(&[0.5f64.to_le_bytes(); 6 * 12].concat());
+    let sizes = record(&[3i64, 2, 2].iter().flat_map(|v| v.to_le_bytes()).collect::<Vec<_>>());
+    let nodes = record(&(0..36).flat_map(|n| f64::from(n).to_le_bytes()).collect::<Vec<_>>());
+    vec![
+        [integers(&[1]), integers(&[3, 2, 2, 6, 0]), reference, values].concat(),
+        [sizes, nodes].concat(),
+    ]
+}
+
 /// Bytes of files that are right.
 fn whole() -> Vec<Vec<u8>> {
     let grid = grid();
     let mut out = others();
+    // As often as there are layouts of one encoding, so that they are met as often.
+    for _ in 0..8 {
+        out.extend(of_records());
+    }
     for layout in layouts() {
         let blocks = if layout.multi {
             &grid.blocks[..]
@@ -194,6 +217,13 @@ fn changes() -> impl Strategy<Value = Changes> {
         proptest::collection::vec((any::<Index>(), any::<Index>()), 0..2),
         proptest::option::of(any::<Index>()),
     )
+}
+
+#[test]
+fn files_to_be_broken_are_whole() {
+    let [q, grid] = of_records().try_into().unwrap();
+    assert_eq!(plot3d::parse_solution("q", &q).unwrap().blocks[0].q.len(), 6);
+    assert_eq!(plot3d::parse("grid", &grid).unwrap().blocks[0].nodes(), [3, 2, 2]);
 }
 
 proptest! {

@@ -339,6 +339,7 @@ fn files_of_another_kind_are_named() {
     assert!(error(b"\x89HDF\r\n\x1a\n").contains(".cgns"));
     let text = error(b"1\n2 2 2\n0.0 1.0 0.0\n1.0 ******** 1.0\n");
     assert!(text.contains("line 4: \"********\" is no number"), "{text}");
+    assert!(error(b"1\n2 2 2\n0.0 1.0 -1.5E").contains("it ends in line 3 within a number"));
     assert!(error(b"NDIME= 2\n").contains("line 1: \"NDIME=\""));
     let text = plot3d::parse_solution("q", b"1\n2 2 2 rho\n").unwrap_err().to_string();
     assert!(text.contains("line 2: \"rho\""), "{text}");

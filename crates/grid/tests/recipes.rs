@@ -92,12 +92,13 @@ fn shipped_levels_are_every_second_point_of_the_finer_to_the_last_bit() {
 }
 
 /// Small recipes of every kind; `@` stands for the folder of the shipped ones.
-const SMALL: [&str; 8] = [
+const SMALL: [&str; 9] = [
     "kind = \"aerofoil-c\"\n[section]\nnaca = \"2412\"\ntrailing_edge = \"blunt\"\n[cells]\nsurface = 12\nwake = 6\nnormal = 8\nbase = 2\n[spacing]\nwall = 0.01\nnose = 0.02\ntail = 0.03\nwake_growth = 1\ngrowth_limit = 9\n[extent]\nfar_field = 10\n",
     "kind = \"aerofoil-o\"\n[section]\nnaca = \"0012\"\nchord = 2\ntrailing_edge = \"sharp\"\n[cells]\nsurface = 12\nnormal = 8\n[spacing]\nwall = 0.01\nnose = 0.02\ntail = 0.03\ngrowth_limit = 9\n[extent]\nfar_field = 10\n",
     "kind = \"aerofoil-c\"\n[section]\nnaca = \"2412\"\n[cells]\nsurface = 12\nwake = 6\nnormal = 8\n[spacing]\nwall = 0.01\nnose = 0.02\ntail = 0.03\ngrowth_limit = 9\n[extent]\nfar_field = 10\n[smoothing]\nstart = \"transfinite\"\nsweeps = 7\n",
     "kind = \"wing-ch\"\ncoarsen = 1\nblocks = 3\n[wing]\nfile = \"@/geometry/oneram6.toml\"\ntip_length = 0.02\n[cells]\nsurface = 8\nwake = 4\nnormal = 8\nspan = 6\noutboard = 4\n[spacing]\nwall = 0.002\nnose = 0.02\ntail = 0.03\nroot = 0.2\ntip = 0.01\ngrowth_limit = 9\n[extent]\nfar_field = 8\nexit = 10\n",
     "kind = \"wing-oo\"\n[wing]\nfile = \"@/geometry/oneram6.toml\"\nnose_radius = 0.01\n[cells]\nsurface = 8\nnormal = 8\nspan = 6\n[spacing]\nwall = 0.002\nnose = 0.02\ntail = 0.03\nroot = 0.2\ntip = 0.01\ngrowth_limit = 9\n[extent]\nfar_field = 8\n",
+    "kind = \"wing-oo\"\n[wing]\nfile = \"@/geometry/lann.toml\"\n[cells]\nsurface = 6\nnormal = 6\nspan = 4\n[spacing]\nwall = 0.001\nnose = 0.02\ntail = 0.03\nroot = 0.2\ntip = 0.02\ngrowth_limit = 9\n[extent]\nfar_field = 5\n[smoothing]\nsweeps = 3\n",
     "kind = \"bump\"\n[shape]\nlength = 1.5\nheight = 0.05\n[cells]\nupstream = 4\nsurface = 8\ndownstream = 4\nnormal = 6\n[spacing]\ny_plus = { value = 1, reynolds = 3e6, length = 1 }\nedge = 0.02\ngrowth_limit = 9\n[extent]\nupstream = 2\ndownstream = 2\nfar_field = 5\n",
     "kind = \"ramp\"\n[shape]\nlength = 1\nangle = \"15 deg\"\n[cells]\nupstream = 4\nsurface = 8\nnormal = 6\n[spacing]\nwall = 0.01\nedge = 0.02\n[extent]\nupstream = 1\nfar_field = 1\n",
     "kind = \"box\"\nblocks = 2\n[shape]\nfrom = [0, 0, 0]\nto = [1, 1, 1]\nwaviness = 0.05\nperiodic = [true, false, true]\n[cells]\nbox = [4, 4, 4]\n",

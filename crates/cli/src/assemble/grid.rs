@@ -7,8 +7,8 @@ use dip_grid::Period;
 use dip_grid::cgns::CgnsError;
 use dip_grid::file::{self, FileError};
 use dip_grid::recipe::RecipeError;
-use dip_grid::split;
 use dip_grid::topology::{Interface, MultiBlock, Side};
+use dip_grid::{quality, split};
 use sha2::{Digest, Sha256};
 use std::path::Path;
 
@@ -76,6 +76,11 @@ pub fn from_case(document: &Document, table: &MeshTable) -> Result<Loaded, Stop>
         exists("mesh.boundary_conditions", p)?;
     }
     let mut grid = open(&path, conditions.as_deref())?;
+    if let Some(first) = quality::misfits(&grid).first() {
+        let help =
+            "look at the grid by `pmb mesh check`; conditions and interfaces stand in the .bc.toml or .nmf beside it";
+        return Err(document.error(key, &first.text, help).into());
+    }
     let turned = |i: &Interface| matches!(i.period, Some(Period::Rotation { .. }));
     if grid.topology.interfaces.iter().any(turned) {
         let message = "the grid is periodic by rotation, and the flow solver knows shifts only";

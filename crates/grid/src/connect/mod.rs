@@ -6,6 +6,7 @@ mod points;
 use std::fmt;
 
 use self::finder::Finder;
+pub(crate) use self::points::shortest_edge;
 use crate::face::Face;
 use crate::period::Period;
 use crate::topology::{Condition, MultiBlock, Patch};

@@ -56,7 +56,7 @@ impl Points {
 }
 
 /// Shortest edge at a face node, in the face and into the block; edges of no length do not count.
-pub(super) fn shortest_edge(block: &Block, face: Face, p: usize, q: usize) -> f64 {
+pub(crate) fn shortest_edge(block: &Block, face: Face, p: usize, q: usize) -> f64 {
     let [np, nq] = block.face_cells(face);
     let here = block.point_at(block.node_behind(face, p, q, 0));
     let others = [

@@ -64,6 +64,11 @@ pub(super) fn no_grid(bytes: &[u8]) -> Result<(), String> {
         return Err(format!("not Plot3D but {what}"));
     }
     if let Some((line, word)) = odd_word(bytes) {
+        if bytes.ends_with(word.as_bytes()) {
+            return Err(format!(
+                "it ends in line {line} within a number, \"{word}\": it is truncated"
+            ));
+        }
         let word: String = word.chars().take(40).collect();
         return Err(format!(
             "line {line}: \"{word}\" is no number; a Plot3D text file holds numbers alone"

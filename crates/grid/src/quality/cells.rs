@@ -250,12 +250,23 @@ pub(super) fn volume_findings(grid: &MultiBlock, figures: &[Figure], findings: &
     }
     let limits = [
         // At the edge of a sheet a corner of 180 degrees is right: zero, give or take the sheet's curvature.
-        (names::JACOBIAN, -0.1, "folded at a corner"),
-        (names::SKEWNESS, 88.0, "very skewed"),
-        (names::STRETCHING, 20.0, "much larger or smaller than their neighbours"),
-        (names::CLOSURE, 1e-12, "not closed"),
+        (
+            names::JACOBIAN,
+            -0.1,
+            "folded at a corner",
+            "; smooth the lines there (in recipes of wings, at the nose of the sheet outboard of a tip: take a larger \
+             spacing.nose, in C-H grids also spacing.wake_growth = 0)",
+        ),
+        (names::SKEWNESS, 88.0, "very skewed", ""),
+        (
+            names::STRETCHING,
+            20.0,
+            "much larger or smaller than their neighbours",
+            "; more cells there, or larger first steps, even the growth out",
+        ),
+        (names::CLOSURE, 1e-12, "not closed", ""),
     ];
-    for (name, limit, what) in limits {
+    for (name, limit, what, advice) in limits {
         let Some(place) = figures.iter().find(|f| f.name == name).and_then(|f| f.worst.first()) else {
             continue;
         };
@@ -266,7 +277,7 @@ pub(super) fn volume_findings(grid: &MultiBlock, figures: &[Figure], findings: &
         };
         if bad || place.value.is_nan() {
             let text = format!(
-                "cells are {what}: {name} {:.4e} at {}",
+                "cells are {what}: {name} {:.4e} at {}{advice}",
                 place.value,
                 name_cell(grid, place)
             );

@@ -1,12 +1,19 @@
 //! Do the blocks fit: interfaces whose nodes are apart, face cells with no owner or with two.
 
 use super::Finding;
+use crate::block::Block;
+use crate::connect::shortest_edge;
 use crate::face::Face;
-use crate::topology::{MultiBlock, Side};
+use crate::topology::{Interface, MultiBlock, Side};
 use crate::vector::distance;
 
-/// Distance between nodes an interface says are one, relative to the cells there.
+/// Nodes that an interface says are one and that lie further apart than this share of the shortest edge there are not.
+const APART: f64 = 0.1;
+
+/// Distance between nodes an interface says are one: against the edges there, and against what round-off explains.
 pub(super) fn interface_findings(grid: &MultiBlock, findings: &mut Vec<Finding>) {
+    let [lo, hi] = grid.bounds();
+    let round_off = distance(lo, hi) * if is_single(grid) { 2e-7 } else { 1e-9 };
     for (n, interface) in grid.topology.interfaces.iter().enumerate() {
         let what = format!(
             "interface {} between {} and {}",
@@ -34,27 +41,53 @@ pub(super) fn interface_findings(grid: &MultiBlock, findings: &mut Vec<Finding>)
             });
             continue;
         }
-        let (a, b) = (&grid.blocks[interface.a.block], &grid.blocks[interface.b.block]);
-        let mut worst = (0.0, [0.0; 3]);
-        let w = interface.a.window;
-        for q in w.lo[1]..=w.hi[1] {
-            for p in w.lo[0]..=w.hi[0] {
-                let pa = a.point_at(a.node_behind(interface.a.face, p, q, 0));
-                let [r, s] = interface.node_on_b(p, q);
-                let pb = b.point_at(b.node_behind(interface.b.face, r, s, 0));
-                let gap = distance(interface.period.map_or(pa, |period| period.moved(pa)), pb);
-                if gap > worst.0 || gap.is_nan() {
-                    worst = (gap, pa);
-                }
-            }
-        }
-        let [lo, hi] = grid.bounds();
-        if worst.0.is_nan() || worst.0 > 1e-9 * distance(lo, hi) {
-            let [x, y, z] = worst.1;
-            let text = format!("{what}: nodes are {:.3e} apart at ({x:.6}, {y:.6}, {z:.6})", worst.0);
-            findings.push(Finding { fatal: true, text });
+        let Some(gap) = widest_gap(grid, interface) else {
+            continue;
+        };
+        let fatal = gap.share.is_nan() || gap.share > APART;
+        if fatal || gap.width > round_off {
+            let [x, y, z] = gap.at;
+            let text = format!("{what}: nodes are {:.3e} apart at ({x:.6}, {y:.6}, {z:.6})", gap.width);
+            findings.push(Finding { fatal, text });
         }
     }
+}
+
+/// The widest gap between two nodes that are to be one.
+struct Gap {
+    width: f64,
+    /// Over the shortest edge there.
+    share: f64,
+    at: [f64; 3],
+}
+
+fn widest_gap(grid: &MultiBlock, interface: &Interface) -> Option<Gap> {
+    let (a, b) = (grid.blocks.get(interface.a.block)?, grid.blocks.get(interface.b.block)?);
+    let mut worst: Option<Gap> = None;
+    let w = interface.a.window;
+    for q in w.lo[1]..=w.hi[1] {
+        for p in w.lo[0]..=w.hi[0] {
+            let at = a.point_at(a.node_behind(interface.a.face, p, q, 0));
+            let [r, s] = interface.node_on_b(p, q);
+            let pb = b.point_at(b.node_behind(interface.b.face, r, s, 0));
+            let width = distance(interface.period.map_or(at, |period| period.moved(at)), pb);
+            if width == 0.0 {
+                continue;
+            }
+            let share = width / shortest_edge(a, interface.a.face, p, q);
+            if worst.as_ref().is_none_or(|w| share > w.share || share.is_nan()) {
+                worst = Some(Gap { width, share, at });
+            }
+        }
+    }
+    worst
+}
+
+/// True if every coordinate is one of single precision: then round-off is that of single precision.
+fn is_single(grid: &MultiBlock) -> bool {
+    let single = |v: &f64| f64::from(*v as f32) == *v;
+    let of = |b: &Block| [&b.x, &b.y, &b.z].into_iter().flatten().all(single);
+    grid.blocks.iter().all(of)
 }
 
 /// Every face cell must be on one patch or one interface.

@@ -139,6 +139,18 @@ pub fn check(grid: &MultiBlock) -> Report {
         findings,
     }
 }
+
+/// What is wrong with a grid's interfaces and conditions alone: quick, for solvers that are given other people's files. Empty where
+/// every face cell belongs to one condition or one interface, whose nodes are one.
+#[must_use]
+pub fn misfits(grid: &MultiBlock) -> Vec<Finding> {
+    let mut findings = Vec::new();
+    interface_findings(grid, &mut findings);
+    cover_findings(grid, &mut findings);
+    findings.retain(|f| f.fatal);
+    findings
+}
+
 impl fmt::Display for Report {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         writeln!(
