@@ -6,14 +6,17 @@ use std::fmt::Write;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
+use dip_grid::picture::{self, Camera, Sheet};
 use dip_grid::quality::{self, Report, names};
-use dip_grid::recipe::{Length, Recipe, SmoothingStart, SmoothingTable, YPlus};
-use dip_grid::{Block, MultiBlock, coarsen, picture, recipe, vector, wall_distance};
+use dip_grid::recipe::{self, Recipe, SmoothingStart, SmoothingTable};
+use dip_grid::{Block, MultiBlock, coarsen, metrics, vector, wall_distance};
 
 /// Recipes with the pictures that the page shows.
-const SHOWN: [(&str, &[&str]); 6] = [
+const SHOWN: [(&str, &[&str]); 8] = [
     ("agard445_oo_coarse", &["surface", "section", "tip", "symmetry-plane"]),
+    ("agard445_oo_smoothed", &["nose", "tip"]),
     ("agard445_ch_coarse", &["section", "nose", "symmetry-plane"]),
+    ("agard445_ch_smoothed", &["nose", "tail"]),
     ("agard445_section", &["section", "nose", "tail"]),
     ("naca0012_c", &["section", "nose"]),
     ("naca0012_o", &["section", "tail"]),
@@ -156,9 +159,13 @@ fn differing(a: &Block, b: &Block) -> usize {
 /// What smoothing does to viscous grids, from the map and from transfinite interpolation.
 fn smoothing(root: &Path, out: &Path, page: &mut String) -> Result<(), Box<dyn Error>> {
     page.push_str(
-        "\n## Smoothing\n\nViscous grids with and without a `[smoothing]` table: largest skewness, largest and mean angle between the lines off the\n\
-         wall and its normal, and the largest relative change of any first step against the map's.\n\n\
-         | recipe | inside | sweeps | skew | angle at the wall, deg | first step off | seconds |\n|---|---|---|---|---|---|---|\n",
+        "\n## Smoothing\n\nViscous grids, y+ = 1 or below, with and without a `[smoothing]` table:\n\n\
+         - *skew*: largest and mean;\n\
+         - *angle of lines*: between the first step off a node of the wall and the normal of the four faces about it, without the\n  wall's edges (symmetry plane, \
+         trailing edge, tip): median, 90 %, 99 %, largest;\n\
+         - *angle of cells*: mean of the check's figure, edges of the wall included;\n\
+         - *step*: largest relative change of any first step against the map's.\n\n\
+         | recipe | inside | sweeps | skew | angle of lines, deg | angle of cells, deg | step | seconds |\n|---|---|---|---|---|---|---|---|\n",
     );
     let of = |start, sweeps| {
         Some(SmoothingTable {
@@ -170,13 +177,10 @@ fn smoothing(root: &Path, out: &Path, page: &mut String) -> Result<(), Box<dyn E
         "agard445_section",
         "naca0012_viscous",
         "rae2822_c",
-        "agard445_ch_coarse",
+        "agard445_ch_smoothed",
+        "agard445_oo_smoothed",
     ] {
         let mut recipe = one_block(root, name)?;
-        if name == "agard445_ch_coarse" {
-            // As a grid of its own, at y+ = 1: what is smoothed is made at its own level.
-            halve(&mut recipe);
-        }
         let cases = [
             ("map", None),
             ("map, smoothed", of(SmoothingStart::Map, 300)),
@@ -186,68 +190,106 @@ fn smoothing(root: &Path, out: &Path, page: &mut String) -> Result<(), Box<dyn E
         ];
         let mut map: Option<MultiBlock> = None;
         for (inside, table) in cases {
+            // Surfaces of O-O grids are smoothed from the map alone.
+            if name.contains("_oo_") && inside.starts_with("transfinite") {
+                continue;
+            }
             recipe.smoothing = table;
+            let sweeps = table.and_then(|t| t.sweeps).unwrap_or(0);
             let start = Instant::now();
             let grid = match recipe.make() {
                 Ok(grid) => grid,
                 Err(e) => {
-                    let sweeps = table.and_then(|t| t.sweeps).unwrap_or(0);
-                    writeln!(page, "| {name} | {inside} | {sweeps} | refused: {e} | | | |")?;
+                    writeln!(page, "| {name} | {inside} | {sweeps} | refused: {e} | | | | |")?;
                     continue;
                 }
             };
             let seconds = start.elapsed().as_secs_f64();
             let report = quality::check(&grid);
-            let angle = report.figure(names::WALL_ANGLE).map_or(f64::NAN, |f| f.mean);
+            let mean = |figure: &str| report.figure(figure).map_or(f64::NAN, |f| f.mean);
             let off = map
                 .as_ref()
                 .map_or(0.0, |map| step_off(&map.blocks[0], &grid.blocks[0]));
+            let [median, most, nearly, worst_line] = lean(&grid);
             writeln!(
                 page,
-                "| {name} | {inside} | {} | {:.1} | {:.1} / {angle:.2} | {off:.0e} | {seconds:.1} |",
-                table.and_then(|t| t.sweeps).unwrap_or(0),
+                "| {name} | {inside} | {sweeps} | {:.1} / {:.1} | {median:.2} / {most:.2} / {nearly:.2} / {worst_line:.1} | {:.2} | {off:.0e} | {seconds:.1} |",
                 worst(&report, names::SKEWNESS),
-                worst(&report, names::WALL_ANGLE),
+                mean(names::SKEWNESS),
+                mean(names::WALL_ANGLE),
             )?;
+            println!("{name}, {inside}: {seconds:.1} s");
+            let keep = |file: &str, svg: String| std::fs::write(out.join(file), svg);
             if name == "agard445_section" && inside == "transfinite" {
                 for shown in picture::overview(&grid, "AGARD 445.6 section, transfinite interpolation alone") {
                     if shown.name == "nose" {
-                        std::fs::write(out.join("transfinite-nose.svg"), shown.svg)?;
+                        keep("transfinite-nose.svg", shown.svg)?;
                     }
                 }
+            }
+            if name == "agard445_oo_smoothed" {
+                let stem = if table.is_some() { "smoothed" } else { "map" };
+                keep(&format!("leading-edge-{stem}.svg"), leading_edge(&grid, inside))?;
             }
             map.get_or_insert(grid);
         }
     }
     page.push_str(
-        "\nThe conformal map is the solution of Laplace's equations: smoothing cannot better it but at kinks, and keeps it for the\n\
-         shipped wings. Transfinite interpolation becomes usable by smoothing; `agard445_section` is made so.\n\n\
-         ![AGARD 445.6 section, transfinite interpolation alone](transfinite-nose.svg)\n",
+        "\nThe conformal map is the solution of Laplace's equations in the plane of a section: smoothing cannot better it there but at\n\
+         kinks. Transfinite interpolation becomes usable by smoothing; `agard445_section` is made so. On swept wings smoothing turns the\n\
+         lines into the wall's normal, which planes y = const miss by the sweep at the nose. What is left is the symmetry plane, whose\n\
+         lines stay in it, and the closure of the tip.\n\n\
+         ![AGARD 445.6 section, transfinite interpolation alone](transfinite-nose.svg)\n\n\
+         A line off the leading edge of the O-O grid at half span, from above: from the map, and smoothed.\n\n\
+         ![Line off the leading edge, from the map](leading-edge-map.svg)\n\n\
+         ![Line off the leading edge, smoothed](leading-edge-smoothed.svg)\n",
     );
     Ok(())
 }
 
-/// The recipe of the coarser level as a recipe of its own: cells halved and steps doubled as often as it says, y+ = 1.
-fn halve(recipe: &mut Recipe) {
-    let times = recipe.coarsen.take().unwrap_or(0);
-    let cells = &mut recipe.cells;
-    for count in [
-        &mut cells.surface,
-        &mut cells.wake,
-        &mut cells.normal,
-        &mut cells.span,
-        &mut cells.outboard,
-    ] {
-        *count = count.map(|n| n >> times);
+/// Median, 90 %, 99 % and largest angle (deg) between first steps and the normal of the four wall faces about their feet.
+fn lean(grid: &MultiBlock) -> [f64; 4] {
+    let block = &grid.blocks[0];
+    let wall = grid.topology.patches.iter().find(|p| p.condition.is_wall());
+    let Some(window) = wall.map(|p| p.window) else {
+        return [f64::NAN; 4];
+    };
+    // Along the span: without symmetry plane and the last tenth, where the tip closes; across a plane: both sides.
+    let span = window.hi[1];
+    let ks = if span == 1 { 0..1 } else { 1..span * 9 / 10 };
+    let mut angles = Vec::new();
+    for k in ks {
+        for i in window.lo[0] + 1..window.hi[0] {
+            let point = |di: usize, dk: usize| {
+                let k = if span == 1 { dk.min(1) } else { k + dk - 1 };
+                block.point(i + di - 1, 0, k)
+            };
+            let mut normal = [0.0; 3];
+            for (a, c) in [(0, 0), (1, 0), (0, 1), (1, 1)] {
+                let corners = [point(a, c), point(a + 1, c), point(a + 1, c + 1), point(a, c + 1)];
+                let [p, q, r, s] = corners;
+                normal = vector::add(normal, metrics::face_area(p, q, r, s));
+            }
+            let step = vector::sub(block.point(i, 1, k), block.point(i, 0, k));
+            let cos = vector::dot(vector::unit(step), vector::unit(normal)).abs();
+            angles.push(cos.min(1.0).acos().to_degrees());
+        }
     }
-    let wider = f64::from(1u32 << times);
-    let spacing = &mut recipe.spacing;
-    spacing.nose = spacing.nose.map(|step| step * wider);
-    spacing.tail = spacing.tail.map(|step| step * wider);
-    for length in [&mut spacing.root, &mut spacing.tip] {
-        *length = length.map(|l| Length(l.0 * wider));
-    }
-    spacing.y_plus = spacing.y_plus.map(|y| YPlus { value: 1.0, ..y });
+    angles.sort_by(f64::total_cmp);
+    let last = angles.len().saturating_sub(1);
+    [0.5, 0.9, 0.99, 1.0].map(|share| angles.get((share * last as f64) as usize).copied().unwrap_or(f64::NAN))
+}
+
+/// The surface of lines off the leading edge at half span, from above.
+fn leading_edge(grid: &MultiBlock, inside: &str) -> String {
+    let block = &grid.blocks[0];
+    let (i, k) = (block.ni / 2, block.nk / 2);
+    let [x, y, _] = block.point(i, 0, k);
+    let half = 1.5e-3;
+    let window = [y - half, y + half, -x - 0.2 * half, -x + 1.2 * half];
+    let sheets = [Sheet::whole(0, block, 0, i), Sheet::whole(0, block, 1, 0)];
+    let title = format!("AGARD 445.6, O-O at y+ = 1, leading edge at half span, 3 mm wide: {inside}");
+    picture::draw(grid, &title, Camera::TOP, window, &sheets, &[])
 }
 
 /// Largest relative difference of the first steps off j = 0.
