@@ -46,7 +46,7 @@ fn product_bytes<S>() -> BytesCount {
 
 #[divan::bench(types = [f32, f64])]
 fn factor<S: Storage>(bencher: Bencher) {
-    let a = matrix::<S>();
+    let a = [matrix::<S>()];
     let mut f = Bilu::<S>::zeros(CELLS);
     bencher
         .counter(ItemsCount::new(COUNT))
@@ -56,7 +56,7 @@ fn factor<S: Storage>(bencher: Bencher) {
 
 #[divan::bench(types = [f32, f64])]
 fn solve<S: Storage>(bencher: Bencher) {
-    let a = matrix::<S>();
+    let a = [matrix::<S>()];
     let mut f = Bilu::<S>::zeros(CELLS);
     f.factor(&a).expect("dominant matrix");
     let r = vec![1.0; COUNT * VARIABLES];

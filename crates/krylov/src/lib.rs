@@ -14,9 +14,10 @@
 //!     }
 //! }
 //! let mut factors = Bilu::<f64>::zeros([3, 1, 1]);
-//! factors.factor(&a)?;
+//! let blocks = [a];
+//! factors.factor(&blocks)?;
 //! let mut z = vec![0.0; 3 * VARIABLES];
-//! factors.solve(&a, &vec![1.0; 3 * VARIABLES], &mut z);
+//! factors.solve(&blocks, &vec![1.0; 3 * VARIABLES], &mut z);
 //! assert_eq!(z[0], 0.5);
 //! # Ok::<(), dip_krylov::KrylovError>(())
 //! ```
@@ -27,6 +28,7 @@ pub mod dense;
 mod error;
 pub mod gcg;
 pub mod multilevel;
+mod order;
 mod storage;
 pub mod vector;
 
@@ -34,7 +36,8 @@ pub use bilu::Bilu;
 pub use block_matrix::{BlockMatrix, Direction};
 pub use error::KrylovError;
 pub use gcg::{Gcg, GcgOutcome, GcgSettings, LinearOperator, Preconditioner};
-pub use multilevel::{Coupling, LevelShape, Multilevel};
+pub use multilevel::{LevelShape, Multilevel};
+pub use order::{Coupling, Sweep};
 pub use storage::Storage;
 
 /// Unknowns a cell: density, three velocities, pressure (or energy).

@@ -8,28 +8,13 @@
 //! 2012 for its use in Krylov methods).
 //!
 //! Couplings between structured blocks are part of the level matrices (kept in the places of neighbours that a block's
-//! outermost cells lack inside it); only the smoother leaves them out.
+//! outermost cells lack inside it) and of their factors.
 
 use rayon::prelude::*;
 
 use crate::dense::{multiply_add, multiply_subtract, zero_lanes};
 use crate::vector::PIECE;
-use crate::{BLOCK, Bilu, BlockMatrix, KrylovError, Storage, VARIABLES};
-
-/// A coupling of an outermost cell of a block to a cell of another block (or to the other end of its own).
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Coupling {
-    /// Block of the row.
-    pub block: u32,
-    /// Cell of the row in its block.
-    pub cell: u32,
-    /// Direction of the neighbour, 0 to 2.
-    pub direction: u8,
-    /// True if the neighbour lies at the larger index.
-    pub upper: bool,
-    /// The neighbour, counted over all blocks.
-    pub neighbour: u32,
-}
+use crate::{BLOCK, Bilu, BlockMatrix, Coupling, KrylovError, Storage, Sweep, VARIABLES};
 
 /// Matrices of one level, by block, and the couplings between them.
 #[derive(Clone, Debug)]
@@ -163,7 +148,7 @@ fn split<'a, S, M: Storage>(mut vector: &'a mut [S], blocks: &[BlockMatrix<M>]) 
 #[derive(Clone, Debug)]
 struct CycleLevel<S> {
     matrix: LevelMatrix<S>,
-    factors: Vec<Bilu<S>>,
+    factors: Bilu<S>,
     /// Parents of this level's cells on the next coarser one; empty on the coarsest.
     parents: Vec<u32>,
     /// Right-hand side (unused on the finest level).
@@ -188,6 +173,8 @@ pub struct LevelShape {
     pub cells: Vec<[usize; 3]>,
     /// Couplings between blocks.
     pub couplings: Vec<Coupling>,
+    /// Sweeps of the blocks; from the smallest indices, in the order of their numbers, where there is none.
+    pub sweeps: Vec<Sweep>,
     /// Cell of the next coarser level for every cell, counted over all blocks; empty on the coarsest.
     pub parents: Vec<u32>,
 }
@@ -200,11 +187,12 @@ impl<S: Storage> Multilevel<S> {
             .into_iter()
             .enumerate()
             .map(|(n, shape)| {
+                let factors = Bilu::over(&shape.cells, &shape.couplings, &shape.sweeps);
                 let matrix = LevelMatrix::zeros(&shape.cells, shape.couplings);
                 let length = matrix.cell_count() * VARIABLES;
                 let vector = || vec![S::default(); length];
                 CycleLevel {
-                    factors: shape.cells.iter().map(|c| Bilu::zeros(*c)).collect(),
+                    factors,
                     parents: shape.parents,
                     rhs: if n > 0 { vector() } else { Vec::new() },
                     solution: if n > 0 { vector() } else { Vec::new() },
@@ -245,14 +233,7 @@ impl<S: Storage> Multilevel<S> {
                 coarse[0].matrix.aggregate(&fine[n - 1].matrix, &fine[n - 1].parents);
             }
             let level = &mut self.levels[n];
-            let factored: Vec<_> = level
-                .factors
-                .par_iter_mut()
-                .zip(&level.matrix.blocks)
-                .map(|(f, a)| f.factor(a))
-                .collect();
-            // The first singular block in their order, whatever thread met one first.
-            factored.into_iter().collect::<Result<(), _>>()?;
+            level.factors.factor(&level.matrix.blocks)?;
         }
         Ok(())
     }
@@ -275,21 +256,10 @@ impl<S: Storage> Multilevel<S> {
                 vectors * size_of::<S>()
                     + 4 * l.parents.len()
                     + l.matrix.blocks.iter().map(BlockMatrix::bytes).sum::<usize>()
-                    + l.factors.iter().map(Bilu::bytes).sum::<usize>()
+                    + l.factors.bytes()
             })
             .sum()
     }
-}
-
-fn smooth<S: Storage, R: Storage>(matrix: &LevelMatrix<S>, factors: &[Bilu<S>], r: &[R], z: &mut [S]) {
-    let work = split(z, &matrix.blocks)
-        .into_par_iter()
-        .zip(factors)
-        .zip(&matrix.blocks)
-        .zip(&matrix.offsets);
-    work.for_each(|(((z, factor), block), offset)| {
-        factor.solve(block, &r[offset * VARIABLES..offset * VARIABLES + z.len()], z);
-    });
 }
 
 /// Coarse correction first, then one smoothing of what is left. (Smoothing before and after was tried: BILU(0) is not a
@@ -300,7 +270,7 @@ fn cycle<S: Storage, R: Storage>(levels: &mut [CycleLevel<S>], r: &[R], z: &mut 
         return;
     };
     let Some(next) = coarser.first_mut() else {
-        smooth(&level.matrix, &level.factors, r, z);
+        level.factors.solve(&level.matrix.blocks, r, z);
         return;
     };
     let mut rhs = std::mem::take(&mut next.rhs);
@@ -335,7 +305,7 @@ fn cycle<S: Storage, R: Storage>(levels: &mut [CycleLevel<S>], r: &[R], z: &mut 
     coarser[0].rhs = rhs;
     coarser[0].solution = solution;
     level.matrix.residual(r, &level.coarse_part, &mut level.rest);
-    smooth(&level.matrix, &level.factors, &level.rest, z);
+    level.factors.solve(&level.matrix.blocks, &level.rest, z);
     z.par_chunks_mut(PIECE)
         .zip(level.coarse_part.par_chunks(PIECE))
         .for_each(|(z, c)| {

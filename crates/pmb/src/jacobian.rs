@@ -1,7 +1,8 @@
 //! The analytic Jacobian of the first-order residual, and the local time step.
 //!
 //! Row i of dR/dW holds, for each face of cell i, the derivatives of Osher's flux between cell values. Unknowns are the
-//! primitive variables; couplings to cells of other blocks are left out (the factors are decoupled between blocks).
+//! primitive variables; couplings to cells of other blocks stand in the places of the neighbours that a block's outermost cells
+//! lack.
 
 use dip_krylov::{BLOCK, BlockMatrix, Storage};
 use rayon::prelude::*;

@@ -82,6 +82,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let shape = LevelShape {
         cells: grid.blocks.iter().map(dip_grid::Block::cells).collect(),
         couplings: solver.equations.level.couplings(),
+        sweeps: solver.equations.level.sweeps.clone(),
         parents: Vec::new(),
     };
     let mut one = Multilevel::<f32>::new(vec![shape]);

@@ -69,6 +69,7 @@ impl Level {
             patches,
             planar: self.planar,
             cell_count: offset,
+            sweeps: self.sweeps.clone(),
             joints,
         };
         level.link();

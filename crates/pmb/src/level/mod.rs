@@ -5,8 +5,10 @@
 
 mod coarser;
 mod links;
+mod sweeps;
 
 use dip_grid::{Condition, Face, Metrics, MultiBlock, Window};
+use dip_krylov::Sweep;
 
 use crate::error::FlowError;
 
@@ -181,6 +183,8 @@ pub struct Level {
     pub planar: bool,
     /// Cells of all blocks.
     pub cell_count: usize,
+    /// How the preconditioner sweeps the blocks: that of the grid as it was read, also when it has moved.
+    pub sweeps: Vec<Sweep>,
     joints: Vec<Joint>,
 }
 
@@ -265,10 +269,12 @@ impl Level {
             patches,
             planar,
             cell_count: offset,
+            sweeps: Vec::new(),
             joints,
         };
         level.check_coverage()?;
         level.link();
+        level.sweeps = level.choose_sweeps();
         Ok(level)
     }
 

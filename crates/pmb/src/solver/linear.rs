@@ -111,6 +111,7 @@ pub(super) fn shapes(level: &Level) -> Vec<LevelShape> {
     let shape = |level: &Level, parents: Vec<u32>| LevelShape {
         cells: level.blocks.iter().map(|b| b.layout.cells).collect(),
         couplings: level.couplings(),
+        sweeps: level.sweeps.clone(),
         parents,
     };
     let mut out = Vec::new();

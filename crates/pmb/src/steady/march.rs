@@ -106,6 +106,12 @@ impl<'a> Run<'a> {
         (self.reference_norm / self.norm.max(1e-300)).log10()
     }
 
+    /// Orders that are asked for on this level.
+    pub(super) fn goal(&self) -> f64 {
+        let s = &self.settings.solver;
+        if self.level == 0 { s.orders } else { s.coarse_orders }
+    }
+
     pub(super) fn march(&mut self, observer: &mut dyn Observer, cancel: &AtomicBool) -> Result<StopReason, FlowError> {
         observer.message(&format!(
             "{} cells in {} blocks, levels of {:?} cells, {}",
@@ -137,11 +143,11 @@ impl<'a> Run<'a> {
 
     /// Steps on the current level until it is done.
     fn on_level(&mut self, observer: &mut dyn Observer, cancel: &AtomicBool) -> Result<StopReason, FlowError> {
-        let s = &self.settings.solver;
-        let (goal, most) = if self.level == 0 {
-            (s.orders, s.max_steps)
+        let goal = self.goal();
+        let most = if self.level == 0 {
+            self.settings.solver.max_steps
         } else {
-            (s.coarse_orders, 60)
+            60
         };
         if self.step == 0 && self.level_step == 0 {
             self.explicit_start();

@@ -10,15 +10,6 @@ use super::march::Run;
 use crate::error::FlowError;
 use crate::observer::Observer;
 
-/// CFL number whose time term the preconditioner keeps while that of the step grows beyond it.
-///
-/// Without a time term a diagonal block is nearly singular where a wave stands still (the shear and entropy waves in the
-/// cells at a wall and a stagnation point), and BILU(0), which drops the fill that would balance it, amplifies
-/// errors there from cell to cell. GCG must then take them out again: on the AGARD wing at Mach 0.678 the run needs 721
-/// products with the time term of the step itself, 390 to 414 with that of CFL 50 to 500. At 500 the wing at Mach
-/// 0.96 without incidence is still held up (1,187 products, 374 with 200).
-const PRECONDITIONER_CFL: f64 = 200.0;
-
 impl Run<'_> {
     /// One accepted step, or `None` if none could be found. Returns the linear solve, the part taken and its CFL number.
     pub(super) fn take_step(
@@ -83,16 +74,19 @@ impl Run<'_> {
 
     fn try_step(&mut self, cfl: f64) -> Result<(GcgOutcome, f64), FlowError> {
         let s = &self.settings.solver;
-        // The operator has the time term of the step; the preconditioner keeps that of a moderate CFL number.
-        self.solver.set_time_step(cfl.min(PRECONDITIONER_CFL));
-        self.solver.build()?;
         self.solver.set_time_step(cfl);
+        self.solver.build()?;
         // Tighter as Newton's method takes hold.
         let tolerance = if cfl < 1e3 {
             0.1
         } else {
             (self.norm / self.last_norm).powi(2).clamp(1e-2, 0.1)
         };
+        // No tighter than the goal and the round-off of the residual ask for.
+        let goal = self.reference_norm * 10.0_f64.powf(-self.goal());
+        let tolerance = tolerance
+            .max(0.3 * goal.max(self.solver.round_off()) / self.norm)
+            .min(0.5);
         // On coarser levels memory does not count: all directions are kept.
         let directions = if self.level > 0 { s.max_products } else { s.directions };
         let gcg = GcgSettings {

@@ -1,5 +1,7 @@
 //! Exact properties of the block matrix, BILU(0) and GCG.
 
+mod blocks;
+
 use dip_krylov::dense::{SPARE, invert};
 use dip_krylov::{
     BLOCK, Bilu, BlockMatrix, Coupling, Direction, Gcg, GcgSettings, KrylovError, LinearOperator, Preconditioner,
@@ -63,7 +65,7 @@ impl<S: Storage> LinearOperator<S> for Product<'_, S> {
 struct Factors<'a, S>(&'a Bilu<S>, &'a BlockMatrix<S>);
 impl<S: Storage> Preconditioner<S> for Factors<'_, S> {
     fn solve(&mut self, r: &[f64], z: &mut [S]) {
-        self.0.solve(self.1, r, z);
+        self.0.solve(std::slice::from_ref(self.1), r, z);
     }
 }
 
@@ -105,8 +107,8 @@ fn factors_reproduce_the_matrix_on_its_stencil() {
     for cells in [[5, 4, 3], [6, 5, 1], [7, 1, 1], [1, 1, 4]] {
         let a = matrix::<f64>(cells, 4.0);
         let mut f = Bilu::<f64>::zeros(cells);
-        f.factor(&a).expect("dominant matrix");
-        let b = f.reconstruct(&a).expect("regular factors");
+        f.factor(std::slice::from_ref(&a)).expect("dominant matrix");
+        let b = &f.reconstruct(std::slice::from_ref(&a)).expect("regular factors")[0];
         for cell in 0..a.cell_count() {
             for e in 0..BLOCK {
                 assert!((a.diagonal(cell)[e] - b.diagonal(cell)[e]).abs() < 1e-12);
@@ -125,12 +127,12 @@ fn factors_of_a_line_solve_exactly() {
     for cells in [[40, 1, 1], [1, 40, 1], [1, 1, 40]] {
         let a = matrix::<f64>(cells, 4.0);
         let mut f = Bilu::<f64>::zeros(cells);
-        f.factor(&a).expect("dominant matrix");
+        f.factor(std::slice::from_ref(&a)).expect("dominant matrix");
         let x = random_vector(40, 5);
         let mut b = vec![0.0; x.len()];
         a.apply(&x, &mut b);
         let mut z = vec![0.0; x.len()];
-        f.solve(&a, &b, &mut z);
+        f.solve(std::slice::from_ref(&a), &b, &mut z);
         for (z, x) in z.iter().zip(&x) {
             assert!((z - x).abs() < 1e-12);
         }
@@ -142,7 +144,7 @@ fn gcg_solves_and_its_residual_is_the_true_one() {
     let cells = [9, 8, 7];
     let a = matrix::<f64>(cells, 4.5);
     let mut f = Bilu::<f64>::zeros(cells);
-    f.factor(&a).expect("dominant matrix");
+    f.factor(std::slice::from_ref(&a)).expect("dominant matrix");
     let b = random_vector(9 * 8 * 7, 11);
     let mut r = b.clone();
     let mut x = vec![0.0; b.len()];
@@ -167,7 +169,7 @@ fn single_precision_factors_and_directions_reach_single_precision_and_restarts_g
     let cells = [9, 8, 7];
     let a = matrix::<f32>(cells, 4.5);
     let mut f = Bilu::<f32>::zeros(cells);
-    f.factor(&a).expect("dominant matrix");
+    f.factor(std::slice::from_ref(&a)).expect("dominant matrix");
     let b = random_vector(9 * 8 * 7, 11);
     let mut x = vec![0.0; b.len()];
     let mut r = b.clone();
@@ -238,7 +240,7 @@ fn a_singular_cell_is_named() {
     let cell = 2 + 3; // (2, 1, 0)
     a.diagonal_mut(cell).fill(f64::NAN);
     let mut f = Bilu::<f64>::zeros(cells);
-    match f.factor(&a) {
+    match f.factor(std::slice::from_ref(&a)) {
         Err(KrylovError::SingularBlock { ijk, .. }) => assert_eq!(ijk, [2, 1, 0]),
         other => panic!("{other:?}"),
     }
@@ -251,7 +253,7 @@ fn a_value_that_is_not_finite_breaks_down_with_a_message() {
     let cells = [3, 2, 2];
     let a = matrix::<f64>(cells, 4.0);
     let mut f = Bilu::<f64>::zeros(cells);
-    f.factor(&a).expect("dominant matrix");
+    f.factor(std::slice::from_ref(&a)).expect("dominant matrix");
     let mut b = vec![1.0; 60];
     b[7] = f64::NAN;
     let mut x = vec![0.0; 60];
@@ -279,7 +281,7 @@ fn results_are_the_same_bits_for_any_number_of_threads() {
     let cells = [40, 24, 16];
     let a = matrix::<f32>(cells, 4.5);
     let mut f = Bilu::<f32>::zeros(cells);
-    f.factor(&a).expect("dominant matrix");
+    f.factor(std::slice::from_ref(&a)).expect("dominant matrix");
     let run = |threads: usize| -> Vec<f64> {
         let pool = rayon::ThreadPoolBuilder::new()
             .num_threads(threads)
@@ -344,11 +346,13 @@ fn two_levels(cells: [usize; 3]) -> Vec<LevelShape> {
         LevelShape {
             cells: vec![cells; 2],
             couplings: couplings(cells),
+            sweeps: Vec::new(),
             parents,
         },
         LevelShape {
             cells: vec![coarse; 2],
             couplings: couplings(coarse),
+            sweeps: Vec::new(),
             parents: Vec::new(),
         },
     ]
