@@ -200,7 +200,10 @@ fn smoothing(root: &Path, out: &Path, page: &mut String) -> Result<(), Box<dyn E
             let grid = match recipe.make() {
                 Ok(grid) => grid,
                 Err(e) => {
-                    writeln!(page, "| {name} | {inside} | {sweeps} | refused: {e} | | | | |")?;
+                    // Without the path, which is this machine's.
+                    let text = e.to_string();
+                    let what = text.split_once(".toml: ").map_or(text.as_str(), |(_, what)| what);
+                    writeln!(page, "| {name} | {inside} | {sweeps} | refused: {what} | | | | |")?;
                     continue;
                 }
             };

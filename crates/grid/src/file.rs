@@ -10,7 +10,7 @@ use crate::nmf::{self, NmfError};
 use crate::plot3d::{self, Encoding, Layout, Plot3dError};
 use crate::recipe::{self, RecipeError};
 use crate::reorient::{reorient, turn_right_handed};
-use crate::topology::{Condition, MultiBlock, Patch, Side};
+use crate::topology::{Condition, MultiBlock, Patch, Side, Topology};
 use crate::{metrics::hexahedron_volume, vtk};
 
 /// Why a file could not be opened or saved.
@@ -79,7 +79,7 @@ pub fn open(path: &Path, boundary: Option<&Path>) -> Result<Opened, FileError> {
         })?;
         let name = file.to_string_lossy();
         (grid.topology, periodic) = if file.extension().is_some_and(|e| e == "nmf") {
-            (nmf::parse(&name, &text, &grid)?, Vec::new())
+            (neutral_map(&name, &text, &mut grid)?, Vec::new())
         } else {
             boundary_file::parse_with_periods(&name, &text, &grid)?
         };
@@ -128,7 +128,7 @@ fn open_plot3d(path: &Path) -> Result<Raw, FileError> {
     notes.extend(overset(&read));
     let grid = MultiBlock {
         blocks: read.blocks,
-        topology: crate::Topology::default(),
+        topology: Topology::default(),
     };
     Ok((grid, notes, !read.layout.double))
 }
@@ -177,6 +177,26 @@ fn save_cgns(path: &Path, grid: &MultiBlock) -> Result<(), FileError> {
 #[cfg(not(feature = "cgns"))]
 fn save_cgns(path: &Path, _: &MultiBlock) -> Result<(), FileError> {
     Err(CgnsError::NotBuilt { path: path.to_owned() }.into())
+}
+
+/// The topology of a neutral map. One that has two nodes along i stands beside the three-dimensional form of a grid; of the
+/// two-dimensional form it numbers the same nodes once the grid has i across, too.
+fn neutral_map(name: &str, text: &str, grid: &mut MultiBlock) -> Result<Topology, NmfError> {
+    let fault = match nmf::parse(name, text, grid) {
+        Ok(topology) => return Ok(topology),
+        Err(fault) => fault,
+    };
+    if axis_across(grid) == Some(2) {
+        let mut turned = grid.clone();
+        for n in 0..turned.blocks.len() {
+            reorient(&mut turned, n, [2, 0, 1], [false; 3]);
+        }
+        if let Ok(topology) = nmf::parse(name, text, &turned) {
+            *grid = turned;
+            return Ok(topology);
+        }
+    }
+    Err(fault)
 }
 
 /// Axis along which every block is one cell thick, k before i before j.

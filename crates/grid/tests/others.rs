@@ -46,6 +46,42 @@ fn text_of_the_turbulence_modeling_resource_opens() {
     assert_eq!(count, 4);
 }
 
+/// The Resource has one neutral map for both forms of a grid, in the plane and in two planes with i across.
+#[test]
+fn the_neutral_map_of_two_planes_serves_the_plane_too() {
+    let folder = tempfile::tempdir().unwrap();
+    let numbers = |planes: usize| {
+        let mut text = String::new();
+        for d in [0, 1, 2].into_iter().filter(|&d| planes == 2 || d != 1) {
+            for j in 0..3 {
+                for i in 0..4 {
+                    for y in 0..planes {
+                        text.push_str(&format!("{} ", [f64::from(i), -(y as f64), f64::from(j)][d]));
+                    }
+                }
+            }
+        }
+        text
+    };
+    let map = "1\n1 2 4 3\n'symmetry_y' 1 3 1 4 1 3\n'symmetry_y' 1 4 1 4 1 3\n'tangency' 1 1 1 2 1 4\n\
+               'farfield_riem' 1 2 1 2 1 4\n'back_pressure' 1 5 1 3 1 2\n'farfield_riem' 1 6 1 3 1 2\n";
+    let mut patches = Vec::new();
+    for (name, head, planes) in [("a.p2dfmt", "1\n4 3\n", 1), ("a.p3dfmt", "1\n2 4 3\n", 2)] {
+        let path = folder.path().join(name);
+        std::fs::write(&path, format!("{head}{}", numbers(planes))).unwrap();
+        std::fs::write(path.with_extension("nmf"), map).unwrap();
+        let opened = file::open(&path, None).unwrap();
+        let report = quality::check(&opened.grid);
+        assert!(report.is_good() && report.volume == 6.0, "{report}");
+        assert_eq!(opened.grid.blocks[0].cells(), [3, 2, 1]);
+        patches.push(opened.grid.topology.patches);
+    }
+    assert_eq!(patches[0], patches[1]);
+    let on = |face: Face| patches[0].iter().find(|p| p.face == face).map(|p| p.condition);
+    assert_eq!(on(Face::JMin), Some(Condition::WallSlip));
+    assert_eq!(on(Face::IMin), Some(Condition::OutflowSubsonic));
+}
+
 #[test]
 fn cfl3d_grids_open_with_the_size_before_each_block() {
     let read = plot3d::read(&data("cfl3d.grd")).unwrap();

@@ -86,7 +86,7 @@ fn check(grid: &dip_grid::MultiBlock) -> Result<(), TestCaseError> {
 
 proptest! {
     #![proptest_config(ProptestConfig {
-        cases: std::env::var("DIP_WING_CASES").ok().and_then(|n| n.parse().ok()).unwrap_or(20),
+        cases: std::env::var("DIP_WING_CASES").ok().and_then(|n| n.parse().ok()).unwrap_or(14),
         failure_persistence: None,
         ..ProptestConfig::default()
     })]

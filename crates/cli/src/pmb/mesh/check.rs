@@ -41,5 +41,5 @@ pub fn run(args: &Args) -> Result<Done, Stop> {
     } else {
         output::print(&report.to_string());
     }
-    Ok(outcome(&report))
+    Ok(outcome(&report, args.json))
 }

@@ -111,5 +111,5 @@ pub fn run(args: &Args) -> Result<Done, Stop> {
         output::print(&report.to_string());
         tracing::info!("grid in {}, pictures beside it", target.grid.display());
     }
-    Ok(outcome(&report))
+    Ok(outcome(&report, args.common.json))
 }

@@ -81,12 +81,12 @@ impl Quality {
     }
 }
 
-/// Exit code 3 where a user must look.
-pub fn outcome(report: &Report) -> Done {
+/// Exit code 3 where a user must look; the findings on stderr where stdout is JSON, for the report has them.
+pub fn outcome(report: &Report, json: bool) -> Done {
     if report.is_good() {
         return Done::Clean;
     }
-    for finding in &report.findings {
+    for finding in report.findings.iter().filter(|_| json) {
         tracing::warn!("{}", finding.text);
     }
     Done::LookAt
