@@ -12,7 +12,7 @@ use std::sync::atomic::AtomicBool;
 use dip_grid::generate::{AerofoilGrid, AerofoilKind};
 use dip_grid::geometry::{Section, TrailingEdge};
 use dip_grid::{MultiBlock, recipe, split};
-use dip_pmb::loads::cut;
+use dip_pmb::cut::cut;
 use dip_pmb::observer::{Observer, Progress};
 use dip_pmb::reconstruct::Reconstruction;
 use dip_pmb::settings::{FarField, SteadySettings};

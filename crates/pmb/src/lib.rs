@@ -11,6 +11,7 @@
 pub mod boundary;
 pub mod check;
 pub mod couple;
+pub mod cut;
 pub mod dual_time;
 pub mod error;
 pub mod field;

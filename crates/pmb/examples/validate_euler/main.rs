@@ -18,7 +18,7 @@ use std::sync::atomic::AtomicBool;
 
 use cpu_time::ProcessTime;
 use dip_grid::MultiBlock;
-use dip_pmb::loads::cut;
+use dip_pmb::cut::cut;
 use dip_pmb::observer::Silent;
 use dip_pmb::settings::{Reference, SteadySettings};
 use dip_pmb::steady::{SteadyResult, run};

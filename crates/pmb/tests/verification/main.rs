@@ -1,5 +1,6 @@
 //! Exact properties: fluxes, reconstruction, residual, order of accuracy, conservation.
 
+mod cut;
 mod exact_flow;
 mod flux;
 mod march;

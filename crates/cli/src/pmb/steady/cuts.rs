@@ -5,7 +5,8 @@ use dip_case::Document;
 use dip_case::file::SteadyFile;
 use dip_case::table::Table;
 use dip_grid::MultiBlock;
-use dip_pmb::loads::{self, WallPatch};
+use dip_pmb::cut;
+use dip_pmb::loads::WallPatch;
 
 /// A station asked for.
 #[derive(Debug, Clone)]
@@ -129,7 +130,7 @@ pub fn make(stations: &[Station], grid: &MultiBlock, walls: &[WallPatch]) -> Vec
 
 fn one(label: String, station: Option<Station>, grid: &MultiBlock, walls: &[WallPatch]) -> Cut {
     let y = station.as_ref().map(|s| s.y_m);
-    let cut = loads::cut(walls, y.unwrap_or(0.0), grid.is_two_dimensional());
+    let cut = cut::cut(walls, y.unwrap_or(0.0), grid.is_two_dimensional());
     let [nose, tail] = chord(grid, y);
     let points = |side: &[[f64; 3]]| -> Vec<[f64; 4]> {
         side.iter()
