@@ -276,6 +276,12 @@ impl Values<'_> {
             MotionKind::Mode => "0.001 (no unit: the shape carries the metres)",
         };
         let help = format!("such as {example}");
+        if let (MotionKind::Mode, Amount::Text(text), Err(_)) = (self.kind, amount, &read) {
+            return Err(self
+                .document
+                .error(key, format!("{text:?} is not a number"), help)
+                .into());
+        }
         match read {
             Ok(v) if v.is_finite() => Ok(v),
             Ok(v) => Err(self

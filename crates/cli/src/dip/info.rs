@@ -188,18 +188,23 @@ impl<'a> Info<'a> {
             "stream",
             format!(
                 "{}, Mach {}, {} m/s, {} kg/m^3, {} Pa, alpha {} deg{reynolds}",
-                r.model, r.mach, r.speed_m_s, r.density_kg_m3, r.pressure_pa, r.alpha_deg
+                r.model,
+                r.mach,
+                short(r.speed_m_s),
+                short(r.density_kg_m3),
+                short(r.pressure_pa),
+                short(r.alpha_deg)
             ),
         );
-        let [x, y, z] = r.moment_point_m;
+        let [x, y, z] = r.moment_point_m.map(short);
         line(
             "reference",
             format!(
                 "b {} m, chord {} m, area {} m^2, span {} m, moments about ({x}, {y}, {z}) m{}",
-                r.reference_semichord_m,
-                r.reference_chord_m,
-                r.reference_area_m2,
-                r.span_m,
+                short(r.reference_semichord_m),
+                short(r.reference_chord_m),
+                short(r.reference_area_m2),
+                short(r.span_m),
                 if r.half_model { ", half model" } else { "" }
             ),
         );
@@ -224,7 +229,12 @@ impl<'a> Info<'a> {
             "steps",
             format!(
                 "{} ({} to {}), {} to {} s, one each {} s{cycles}",
-                s.count, s.first, s.last, s.start_s, s.end_s, r.time_step_s
+                s.count,
+                s.first,
+                s.last,
+                short(s.start_s),
+                short(s.end_s),
+                short(r.time_step_s)
             ),
         );
         line(
@@ -239,6 +249,12 @@ impl<'a> Info<'a> {
         }
         out
     }
+}
+
+/// Six digits, for reading; the JSON has all.
+fn short(value: f64) -> String {
+    let rounded = format!("{value:.5e}");
+    rounded.parse::<f64>().map_or(rounded, |v| v.to_string())
 }
 
 impl Motion<'_> {
@@ -263,7 +279,7 @@ impl Motion<'_> {
         }
         let amount = |value: f64| match unit {
             "rad" => format!("{:.6} deg", value.to_degrees()),
-            unit => format!("{value} {unit}"),
+            unit => format!("{} {unit}", short(value)),
         };
         match self.law {
             Law::Harmonic { mean, harmonics, .. } => {
@@ -276,12 +292,12 @@ impl Motion<'_> {
             Law::Pulse {
                 amplitude, duration_s, ..
             } => {
-                let _ = write!(text, "; pulse of {} in {duration_s} s", amount(*amplitude));
+                let _ = write!(text, "; pulse of {} in {} s", amount(*amplitude), short(*duration_s));
             }
             Law::Ramp {
                 amplitude, duration_s, ..
             } => {
-                let _ = write!(text, "; ramp of {} in {duration_s} s", amount(*amplitude));
+                let _ = write!(text, "; ramp of {} in {} s", amount(*amplitude), short(*duration_s));
             }
             Law::Free => text.push_str("; free"),
         }
