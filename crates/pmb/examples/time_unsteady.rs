@@ -1,14 +1,15 @@
-//! Times a rigid pitch run: `cargo run --release -p dip-pmb --example time_unsteady -- RECIPE MACH K STEPS ORDERS CYCLES`
+//! Times a rigid pitch run: `cargo run --release -p dip-pmb --example time_unsteady -- RECIPE MACH K STEPS ORDERS CYCLES
+//! [STEADY_ORDERS [bdf2|bdf2-opt [steps]]]`
 //! (pitch of 1 degree about root mid-chord; K with the root semichord; chord is taken as the recipe's unit length times
 //! 0.5588).
 
 use std::error::Error;
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
-use std::time::Instant;
 
+use cpu_time::ProcessTime;
 use dip_grid::recipe;
-use dip_pmb::dual_time::{DualTime, DualTimeSettings};
+use dip_pmb::dual_time::{DualTime, DualTimeSettings, TimeScheme};
 use dip_pmb::loads::{WallGeometry, integrate};
 use dip_pmb::motion::{Coordinate, Harmonic, Law, Motion, Shape};
 use dip_pmb::moving::Nodes;
@@ -31,9 +32,13 @@ fn main() -> Result<(), Box<dyn Error>> {
         moment_point: [0.5 * chord, 0.0, 0.0],
     };
     settings.solver.orders = number(6, 6.0)?;
-    let begin = Instant::now();
+    let begin = ProcessTime::now();
     let result = steady::run(&settings, &grid, &mut Silent, &AtomicBool::new(false))?;
-    println!("steady {:?} {:.2} s", result.stop, begin.elapsed().as_secs_f64());
+    println!(
+        "steady {:?} {:.2} s of CPU time",
+        result.stop,
+        begin.elapsed().as_secs_f64()
+    );
     let omega = 2.0 * k / chord;
     let dt = std::f64::consts::TAU / omega / steps;
     let motion = Motion {
@@ -63,12 +68,16 @@ fn main() -> Result<(), Box<dyn Error>> {
         DualTimeSettings {
             dt,
             orders,
+            scheme: match args.get(7).map(String::as_str) {
+                Some("bdf2-opt") => TimeScheme::Bdf2Opt,
+                _ => TimeScheme::Bdf2,
+            },
             ..DualTimeSettings::default()
         },
     );
     let per_cycle = steps as usize;
     for cycle in 0..cycles as usize {
-        let begin = Instant::now();
+        let begin = ProcessTime::now();
         let (mut iterations, mut products, mut builds, mut failed) = (0, 0, 0, 0);
         let mut sums = [[0.0; 2]; 2];
         for n in 0..per_cycle {
@@ -92,13 +101,13 @@ fn main() -> Result<(), Box<dyn Error>> {
                 sum[0] += c * angle.sin() * 2.0 / steps;
                 sum[1] += c * angle.cos() * 2.0 / steps;
             }
-            if args.len() > 7 {
+            if args.len() > 8 {
                 println!("{n:3} {outcome:?}  CL {:.6}", loads.cl);
             }
         }
         let a = 1.0_f64.to_radians();
         println!(
-            "cycle {cycle}: {:.2} s, {iterations} Newton, {products} products, {builds} builds, {failed} not converged; CL {:.5} {:+.5} i  CM {:.5} {:+.5} i a radian",
+            "cycle {cycle}: {:.2} s of CPU time, {iterations} Newton, {products} products, {builds} builds, {failed} not converged; CL {:.5} {:+.5} i  CM {:.5} {:+.5} i a radian",
             begin.elapsed().as_secs_f64(),
             sums[0][0] / a,
             sums[0][1] / a,

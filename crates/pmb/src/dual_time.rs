@@ -1,7 +1,7 @@
 //! Time-accurate steps on a moving grid: backward differences in real time, each step solved by Newton's method.
 //!
 //! Jameson's dual time (AIAA 91-1596): at every real time step the equations
-//! `(a0 Q V|n+1 + a1 Q V|n + a2 Q V|n-1)/dt + R(W|n+1) = 0` are a steady problem in a pseudo time (formulation.md,
+//! `(a0 Q V|n+1 + a1 Q V|n + a2 Q V|n-1 + a3 Q V|n-2)/dt + R(W|n+1) = 0` are a steady problem in a pseudo time (formulation.md,
 //! section 3). The pseudo time step is infinite, which makes a pseudo step a Newton step, unless steps are rejected.
 //! What the steady solver has is reused: the product with dR/dW by differences of the scheme itself, GCG, and the
 //! preconditioner of the first-order Jacobian, which is kept over pseudo steps and real steps until GCG slows down.
@@ -14,7 +14,7 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use crate::error::FlowError;
-use crate::gas::{Diatomic, Gas, Perfect, State, VARIABLES, conservative};
+use crate::gas::{Diatomic, Gas, Perfect, VARIABLES, conservative};
 use crate::moving::{Backward, MovingGrid, Nodes, Swept};
 use crate::secant::Secants;
 use crate::solver::{Inertia, Solver};
@@ -27,6 +27,9 @@ pub enum TimeScheme {
     Bdf1,
     /// Second order: `(3 Q|n+1 - 4 Q|n + Q|n-1)/(2 dt)`; the first step is of first order.
     Bdf2,
+    /// Second order with half the error of [`TimeScheme::Bdf2`], from four time levels (see
+    /// [`Backward::second_optimized`]); the first step is of first order, the second one is BDF2's.
+    Bdf2Opt,
 }
 
 /// How a real time step is solved.
@@ -54,7 +57,7 @@ impl Default for DualTimeSettings {
             scheme: TimeScheme::Bdf2,
             dt: 0.1,
             orders: 2.5,
-            max_iterations: 12,
+            max_iterations: 30,
             max_products: 40,
             directions: 40,
             secants: 10,
@@ -97,13 +100,13 @@ pub struct DualTime {
     pub settings: DualTimeSettings,
     /// Real steps taken or begun.
     pub step: usize,
-    /// Flow at the time levels n and n-1 while going to n+1.
-    history: [Vec<f64>; 2],
+    /// Flow at the time levels n, n-1 and n-2 while going to n+1.
+    history: [Vec<f64>; 3],
     secants: Secants,
     /// Right-hand side at the beginning of the step.
     start_rhs: Vec<f64>,
-    volume_old: Vec<f64>,
-    volume_older: Vec<f64>,
+    /// Volumes at the same levels.
+    volumes: [Vec<f64>; 3],
     backward: Backward,
     wear: Wear,
     /// Residual norm that orders are counted from.
@@ -122,6 +125,7 @@ struct Built {
     now: Nodes,
     old: Nodes,
     swept_old: Vec<Swept>,
+    swept_older: Vec<Swept>,
     backward: Backward,
     damping: f64,
 }
@@ -141,15 +145,14 @@ impl DualTime {
         });
         solver.set_time_step(1.0);
         Self {
-            history: [w.clone(), w],
+            history: [w.clone(), w.clone(), w],
             secants: Secants::new(settings.secants),
             start_rhs: Vec::new(),
             solver,
             grid: moving,
             settings,
             step: 0,
-            volume_old: vec![0.0; cells],
-            volume_older: vec![0.0; cells],
+            volumes: [0, 1, 2].map(|_| vec![0.0; cells]),
             backward: Backward::first(settings.dt),
             wear: Wear::default(),
             reference: 0.0,
@@ -185,13 +188,13 @@ impl DualTime {
 
     /// Moves on to the next time level: what was new is old.
     pub fn begin_step(&mut self) {
-        let [n, n_1] = &mut self.history;
-        std::mem::swap(n, n_1);
-        n.copy_from_slice(&self.solver.unknowns);
+        self.history.rotate_right(1);
+        self.history[0].copy_from_slice(&self.solver.unknowns);
         self.grid.begin_step();
         self.step += 1;
         self.backward = match self.settings.scheme {
-            TimeScheme::Bdf2 if self.step > 1 => Backward::second(self.settings.dt),
+            TimeScheme::Bdf2Opt if self.step > 2 => Backward::second_optimized(self.settings.dt),
+            TimeScheme::Bdf2 | TimeScheme::Bdf2Opt if self.step > 1 => Backward::second(self.settings.dt),
             _ => Backward::first(self.settings.dt),
         };
         self.outcome = StepOutcome::default();
@@ -215,11 +218,10 @@ impl DualTime {
         Ok(())
     }
 
-    /// rate = a0 V/dt, source = (a1 Q V|n + a2 Q V|n-1)/dt
+    /// rate = a0 V/dt, source = (a1 Q V|n + a2 Q V|n-1 + a3 Q V|n-2)/dt
     fn set_inertia(&mut self, gas: &impl Gas) {
         let level = &self.solver.equations.level;
-        self.grid
-            .old_volumes(level, &mut self.volume_old, &mut self.volume_older);
+        self.grid.old_volumes(level, &mut self.volumes);
         let Some(inertia) = &mut self.solver.inertia else {
             return;
         };
@@ -233,26 +235,22 @@ impl DualTime {
             rest = tail;
         }
         const PIECE: usize = 512;
-        let [n, n_1] = &self.history;
+        let levels = self.backward.levels();
         inertia
             .source
             .par_chunks_mut(PIECE * VARIABLES)
-            .zip(n.par_chunks(PIECE * VARIABLES))
-            .zip(n_1.par_chunks(PIECE * VARIABLES))
-            .zip(self.volume_old.par_chunks(PIECE))
-            .zip(self.volume_older.par_chunks(PIECE))
-            .for_each(|((((source, n), n_1), volume), older)| {
-                let states = n.chunks_exact(VARIABLES).zip(n_1.chunks_exact(VARIABLES));
-                for ((s, (n, n_1)), (volume, older)) in source
-                    .chunks_exact_mut(VARIABLES)
-                    .zip(states)
-                    .zip(volume.iter().zip(older))
-                {
-                    let state = |w: &[f64]| -> State<f64> { [w[0], w[1], w[2], w[3], w[4]] };
-                    let (q, q_1) = (conservative(gas, &state(n)), conservative(gas, &state(n_1)));
-                    let (f, f_1) = (a[1] / dt * volume, a[2] / dt * older);
-                    for v in 0..VARIABLES {
-                        s[v] = f * q[v] + f_1 * q_1[v];
+            .enumerate()
+            .for_each(|(piece, source)| {
+                for (n, s) in source.chunks_exact_mut(VARIABLES).enumerate() {
+                    let cell = piece * PIECE + n;
+                    s.fill(0.0);
+                    for level in 0..levels {
+                        let w = &self.history[level][VARIABLES * cell..][..VARIABLES];
+                        let q = conservative(gas, &[w[0], w[1], w[2], w[3], w[4]]);
+                        let factor = a[1 + level] / dt * self.volumes[level][cell];
+                        for v in 0..VARIABLES {
+                            s[v] += factor * q[v];
+                        }
                     }
                 }
             });
@@ -316,25 +314,23 @@ impl DualTime {
 
     /// One pseudo step. Returns false if none could be found that brings the residual down.
     ///
+    /// Where a shock has to run over several cells in a real step Newton's step overshoots; it is then taken back and redone
+    /// with a finite pseudo time step, shorter and shorter until the residual stays below twice its last value. The pseudo time
+    /// step grows again with every step that is kept, also one that leaves the residual where it was: while the shock
+    /// travels the residual hardly falls, and a pseudo time step that waits for it to fall would never let it arrive.
+    ///
     /// # Errors
     /// The linear solver's.
     pub fn iterate(&mut self) -> Result<bool, FlowError> {
         const WEAKEST: f64 = 10.0;
+        const FIRST: f64 = 1e-3;
+        const UP: f64 = 4.0;
         self.backup.clone_from(&self.solver.unknowns);
         loop {
             let before = self.norm;
             match self.try_iterate() {
                 Ok(part) if self.norm.is_finite() && self.norm <= 2.0 * before && part > 0.05 => {
-                    if let Some(inertia) = &mut self.solver.inertia
-                        && inertia.damping > 0.0
-                        && self.norm < 0.7 * before
-                    {
-                        inertia.damping *= 0.1;
-                        if inertia.damping < 1e-4 {
-                            inertia.damping = 0.0;
-                        }
-                        self.wear.built = false;
-                    }
+                    self.ease(before);
                     self.outcome.iterations += 1;
                     return Ok(true);
                 }
@@ -351,8 +347,20 @@ impl DualTime {
             if inertia.damping >= WEAKEST {
                 return Ok(false);
             }
-            inertia.damping = (inertia.damping * 10.0).max(1e-3);
+            inertia.damping = (inertia.damping * UP).max(FIRST);
         }
+    }
+
+    /// Lengthens the pseudo time step after a pseudo step that was kept.
+    fn ease(&mut self, before: f64) {
+        let Some(inertia) = self.solver.inertia.as_mut().filter(|i| i.damping > 0.0) else {
+            return;
+        };
+        inertia.damping *= if self.norm < 0.7 * before { 0.25 } else { 0.5 };
+        if inertia.damping < 1e-4 {
+            inertia.damping = 0.0;
+        }
+        self.wear.built = false;
     }
 
     fn try_iterate(&mut self) -> Result<f64, FlowError> {
@@ -389,6 +397,7 @@ impl DualTime {
             now: self.grid.now.clone(),
             old: self.grid.old.clone(),
             swept_old: self.grid.swept_old.clone(),
+            swept_older: self.grid.swept_older.clone(),
             backward: self.backward,
             damping: self.solver.inertia.as_ref().map_or(0.0, |i| i.damping),
         };

@@ -190,6 +190,8 @@ pub enum TimeSchemeKind {
     /// Second order.
     #[default]
     Bdf2,
+    /// Second order with half the error of `bdf2` for the same step.
+    Bdf2Opt,
     /// First order.
     Bdf1,
 }

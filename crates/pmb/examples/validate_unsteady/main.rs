@@ -5,6 +5,7 @@
 //! (all by default; some minutes on one core). With no part that it knows, it only puts the page together.
 
 mod pitching;
+mod plates;
 mod possio;
 mod wing;
 mod wings;
@@ -20,7 +21,6 @@ use dip_report::{Chart, CpCut, Figure, Marker, Series, cp_cuts};
 use nalgebra::Complex;
 
 use pitching::{Cycle, Pitching};
-use possio::PlateMotion;
 
 type Outcome<T> = Result<T, Box<dyn Error>>;
 
@@ -32,157 +32,9 @@ fn mesh(name: &str) -> Outcome<MultiBlock> {
     Ok(recipe::make(&root().join("meshes").join(format!("{name}.toml")))?)
 }
 
-/// Error of an amplitude in percent and of a phase in degrees.
-fn errors(ours: Complex<f64>, reference: Complex<f64>) -> [f64; 2] {
-    let ratio = ours / reference;
-    [100.0 * (ratio.norm() - 1.0), ratio.arg().to_degrees()]
-}
-
+/// A complex number in a table.
 fn complex(c: Complex<f64>) -> String {
     format!("{:.4} {:+.4}i", c.re, c.im)
-}
-
-/// Small pitch about the quarter chord and plunge of a 2 % thick section.
-fn thin(folder: &Path) -> Outcome<String> {
-    let grid = mesh("thin_aerofoil_unsteady")?;
-    let mut text = String::from(
-        "| motion | Mach | k | CL | Possio | amplitude, % | phase, deg | CM | Possio | amplitude, % | phase, deg | cycles |\n\
-         |---|---|---|---|---|---|---|---|---|---|---|---|\n",
-    );
-    let mut charts = Vec::new();
-    for (motion, mach) in [
-        (PlateMotion::Pitch, 0.3),
-        (PlateMotion::Pitch, 0.5),
-        (PlateMotion::Plunge, 0.5),
-    ] {
-        let (mut size, mut phase) = (Vec::new(), Vec::new());
-        for k in [0.05, 0.1, 0.2, 0.5] {
-            let pitch = motion == PlateMotion::Pitch;
-            let case = Pitching {
-                mach,
-                k,
-                mean_deg: 0.0,
-                // Plunging: as much downwash as a pitch of 0.2 degrees.
-                amplitude: if pitch { 0.2 } else { 0.2_f64.to_radians() / (2.0 * k) },
-                axis: pitch.then_some(0.25),
-                steps: 40,
-                orders: 2.5,
-            };
-            let cycle = case.run(&grid)?;
-            let exact = possio::coefficients(mach, k, 0.25, motion);
-            let [[la, lp], [ma, mp]] = [0, 1].map(|c| errors(cycle.harmonics[c], exact[c]));
-            writeln!(
-                text,
-                "| {motion:?} | {mach} | {k} | {} | {} | {la:+.2} | {lp:+.2} | {} | {} | {ma:+.2} | {mp:+.2} | {} |",
-                complex(cycle.harmonics[0]),
-                complex(exact[0]),
-                complex(cycle.harmonics[1]),
-                complex(exact[1]),
-                cycle.cycles,
-            )?;
-            eprintln!(
-                "{motion:?} M {mach} k {k}: CL {la:+.2} %, {lp:+.2} deg, {} not converged",
-                cycle.not_converged
-            );
-            size.push((k, cycle.harmonics[0].norm()));
-            phase.push((k, cycle.harmonics[0].arg().to_degrees()));
-        }
-        let ks: Vec<f64> = (1..=28).map(|n| 0.02 * f64::from(n)).collect();
-        let exact: Vec<Complex<f64>> = ks
-            .iter()
-            .map(|k| possio::coefficients(mach, *k, 0.25, motion)[0])
-            .collect();
-        let theodorsen: Vec<Complex<f64>> = ks.iter().map(|k| possio::incompressible(*k, 0.25, motion)[0]).collect();
-        let curve = |values: &[Complex<f64>], f: &dyn Fn(&Complex<f64>) -> f64| -> Vec<(f64, f64)> {
-            ks.iter().copied().zip(values.iter().map(f)).collect()
-        };
-        let degrees = |c: &Complex<f64>| c.arg().to_degrees();
-        let title = format!("{motion:?}, Mach {mach}");
-        charts.push(vec![
-            Chart::new(title.clone(), "Reduced frequency k", "Amplitude of CL")
-                .series(Series::line("Possio", curve(&exact, &|c| c.norm())))
-                .series(Series::dashed("Theodorsen (Mach 0)", curve(&theodorsen, &|c| c.norm())))
-                .series(Series::markers("Euler, 2 % thick", size, Marker::Circle)),
-            Chart::new(title, "Reduced frequency k", "Phase of CL, degrees")
-                .series(Series::line("Possio", curve(&exact, &degrees)))
-                .series(Series::dashed("Theodorsen (Mach 0)", curve(&theodorsen, &degrees)))
-                .series(Series::markers("Euler, 2 % thick", phase, Marker::Circle)),
-        ]);
-    }
-    let figure = charts
-        .into_iter()
-        .fold(Figure::new("Thin section against Possio's equation"), Figure::row);
-    fs::write(folder.join("thin.svg"), figure.svg(1000, 1150)?)?;
-    let [theodorsen, slow] = [
-        possio::incompressible(0.3, 0.25, PlateMotion::Pitch),
-        possio::coefficients(1e-3, 0.3, 0.25, PlateMotion::Pitch),
-    ];
-    writeln!(
-        text,
-        "\nCheck of the solver of Possio's equation: at Mach 0.001, k 0.3, pitch about the quarter chord it gives CL {}, CM {}; \
-         Theodorsen's function gives {}, {}.",
-        complex(slow[0]),
-        complex(slow[1]),
-        complex(theodorsen[0]),
-        complex(theodorsen[1])
-    )?;
-    Ok(text)
-}
-
-/// What thickness and grid do to the thin section's moment: the 2 % section on the finer grid, a 4 % one on the same grid,
-/// and both differences taken to their limits.
-fn limit(_: &Path) -> Outcome<String> {
-    let [thin, fine, thick] = [
-        "thin_aerofoil_unsteady",
-        "thin_aerofoil_unsteady_fine",
-        "thin_aerofoil_4_unsteady",
-    ]
-    .map(mesh);
-    let (thin, fine, thick) = (thin?, fine?, thick?);
-    let mut text = String::from(
-        "What thickness and grid do to the moment, pitch at Mach 0.5. The last row takes both to their limits at once: second order\n\
-         in the grid (321 x 65 plus a third of its difference from 161 x 33), first order in the thickness (2 % less its\n\
-         difference from 4 %). The last column is the moment's error as a part of the lift times a quarter of the chord: as a\n\
-         shift of the centre of pressure in per cent of c/4.\n\n\
-         | Mach | k | section, points | CL | amplitude, % | phase, deg | CM | amplitude, % | phase, deg | CM off, % of CL c/4 |\n\
-         |---|---|---|---|---|---|---|---|---|---|\n",
-    );
-    for k in [0.1, 0.5] {
-        let case = Pitching {
-            mach: 0.5,
-            k,
-            mean_deg: 0.0,
-            amplitude: 0.2,
-            axis: Some(0.25),
-            steps: 40,
-            orders: 2.5,
-        };
-        let exact = possio::coefficients(case.mach, k, 0.25, PlateMotion::Pitch);
-        let on_thin = case.run(&thin)?.harmonics;
-        let on_fine = case.run(&fine)?.harmonics;
-        let on_thick = case.run(&thick)?.harmonics;
-        // Second order in the grid, first order in the thickness.
-        let limits = [0, 1].map(|c| on_fine[c] + (on_fine[c] - on_thin[c]) / 3.0 + (on_thin[c] - on_thick[c]));
-        for (name, ours) in [
-            ("4 %, 161 x 33", on_thick),
-            ("2 %, 161 x 33", on_thin),
-            ("2 %, 321 x 65", on_fine),
-            ("both to their limits", limits),
-        ] {
-            let [[la, lp], [ma, mp]] = [0, 1].map(|c| errors(ours[c], exact[c]));
-            let part = 100.0 * (ours[1] - exact[1]).norm() / (0.25 * exact[0].norm());
-            writeln!(
-                text,
-                "| {} | {k} | {name} | {} | {la:+.2} | {lp:+.2} | {} | {ma:+.2} | {mp:+.2} | {part:.2} |",
-                case.mach,
-                complex(ours[0]),
-                complex(ours[1])
-            )?;
-        }
-        eprintln!("limit, k {k}: done");
-    }
-    text += "\n";
-    Ok(text)
 }
 
 const CT_HEADER: &str = "| case | cells | steps | orders | CL mean | CL harmonic | CM mean | CM harmonic | cycles | change, % | Newton | products | not converged |\n\
@@ -438,12 +290,9 @@ fn page(folder: &Path) -> Outcome<()> {
          step. Where `change` is larger than 0.2 the flow did not become periodic: its harmonics are those of the last cycle\n\
          only, and steps that did not converge are likely why.\n\n\
          ## A thin section against linear theory\n\n\
-         NACA 0002, 161 x 33 points, pitch of 0.2 degrees about the quarter chord and plunge of the same downwash, 40 steps a\n\
-         cycle, 2.5 orders a step. Reference: Possio's equation for a plate without thickness, solved in this example by\n\
-         collocation. CM about the quarter chord: near the aerodynamic centre it is a small difference of large loads, a few per\n\
-         cent of the lift, and thickness moves that centre; its relative errors are to be read with that in mind.\n\n{}\n\
+         {}\n\
          ![Amplitude and phase](thin.svg)\n\n\
-         {}\
+         {}\n\
          ## NACA 0012, AGARD CT3\n\n\
          Mach 0.600, 4.86 + 2.44 sin(omega t) degrees about the quarter chord, k 0.0810. Experiment: AGARD R-702 data set 3 (Landon) as\n\
          distributed with CFL3D. The experiment has Re 4.8e6 and a shock at the highest incidence that its boundary layer feels;\n\
@@ -491,11 +340,11 @@ fn main() -> Outcome<()> {
     fs::create_dir_all(&folder)?;
     let asked: Vec<String> = std::env::args().skip(1).collect();
     for (name, work) in [
-        ("thin", thin as fn(&Path) -> Outcome<String>),
+        ("thin", plates::thin as fn(&Path) -> Outcome<String>),
         ("ct3", ct3),
         ("ct", ct),
         ("ct6", ct6),
-        ("limit", limit),
+        ("limit", plates::limit),
         ("agard", wings::agard),
         ("f5", wings::f5),
         ("lann", wings::lann),

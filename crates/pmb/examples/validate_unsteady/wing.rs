@@ -6,8 +6,9 @@ use std::sync::atomic::AtomicBool;
 
 use cpu_time::ProcessTime;
 use dip_grid::MultiBlock;
-use dip_pmb::dual_time::{DualTime, DualTimeSettings};
-use dip_pmb::loads::{WallGeometry, WallPatch, cut, integrate};
+use dip_pmb::cut::cut;
+use dip_pmb::dual_time::{DualTime, DualTimeSettings, TimeScheme};
+use dip_pmb::loads::{WallGeometry, WallPatch, integrate};
 use dip_pmb::motion::{Coordinate, Harmonic, Law, Motion, Shape};
 use dip_pmb::moving::Nodes;
 use dip_pmb::observer::Silent;
@@ -89,7 +90,13 @@ impl<'a> Start<'a> {
     }
 
     /// Runs some cycles of `steps` each, every step by `orders`.
-    pub fn run(&self, steps: usize, orders: f64, cycles: usize) -> Result<Vec<WingCycle>, Box<dyn Error>> {
+    pub fn run(
+        &self,
+        scheme: TimeScheme,
+        steps: usize,
+        orders: f64,
+        cycles: usize,
+    ) -> Result<Vec<WingCycle>, Box<dyn Error>> {
         let wing = &self.wing;
         let omega = 2.0 * wing.k / wing.chord;
         let dt = TAU / omega / steps as f64;
@@ -117,6 +124,7 @@ impl<'a> Start<'a> {
         let mut walls = WallGeometry::merged(self.grid, level, &self.equations.boundaries, level);
         let at_rest = walls.pressures(level, &self.equations.sides, &self.settings.flow);
         let settings = DualTimeSettings {
+            scheme,
             dt,
             orders,
             ..DualTimeSettings::default()

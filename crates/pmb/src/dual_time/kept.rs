@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{DualTime, DualTimeSettings, Wear};
+use super::{DualTime, DualTimeSettings, TimeScheme, Wear};
 use crate::error::FlowError;
 use crate::moving::{Backward, Nodes, Swept};
 use crate::secant::Secants;
@@ -35,11 +35,16 @@ impl DualTime {
             pairs: self.secants.pairs.len(),
             built: self.built.as_ref().map(|b| (b.backward, b.damping)),
         };
+        let long = self.settings.scheme == TimeScheme::Bdf2Opt;
         let mut out = Vec::new();
         out.extend_from_slice(&self.solver.unknowns);
         out.extend_from_slice(&self.history[0]);
         put_nodes(&mut out, &self.grid.now);
         put_swept(&mut out, &self.grid.swept);
+        if long {
+            out.extend_from_slice(&self.history[1]);
+            put_swept(&mut out, &self.grid.swept_old);
+        }
         for pair in &self.secants.pairs {
             for values in pair {
                 out.extend(values.iter().map(|v| f64::from(*v)));
@@ -50,6 +55,9 @@ impl DualTime {
             put_nodes(&mut out, &b.now);
             put_nodes(&mut out, &b.old);
             put_swept(&mut out, &b.swept_old);
+            if long {
+                put_swept(&mut out, &b.swept_older);
+            }
         }
         Ok((serde_json::to_value(header)?, out))
     }
@@ -79,6 +87,12 @@ impl DualTime {
         get_nodes(&mut from, &mut now).ok_or_else(short)?;
         let mut swept = self.grid.swept.clone();
         get_swept(&mut from, &mut swept).ok_or_else(short)?;
+        let long = self.settings.scheme == TimeScheme::Bdf2Opt;
+        let mut swept_old = self.grid.swept_old.clone();
+        if long {
+            self.history[1].copy_from_slice(take(&mut from, n).ok_or_else(short)?);
+            get_swept(&mut from, &mut swept_old).ok_or_else(short)?;
+        }
         self.secants = header.secants;
         self.secants.pairs.clear();
         for _ in 0..header.pairs {
@@ -94,6 +108,9 @@ impl DualTime {
             get_nodes(&mut from, &mut self.grid.now).ok_or_else(short)?;
             get_nodes(&mut from, &mut self.grid.old).ok_or_else(short)?;
             get_swept(&mut from, &mut self.grid.swept_old).ok_or_else(short)?;
+            if long {
+                get_swept(&mut from, &mut self.grid.swept_older).ok_or_else(short)?;
+            }
             // As it was when the preconditioner was built.
             self.backward = backward;
             self.place(|_| ())?;
@@ -110,6 +127,7 @@ impl DualTime {
         self.step = header.step;
         self.grid.now = now;
         self.grid.swept = swept;
+        self.grid.swept_old = swept_old;
         self.solver.set(unknowns);
         self.solver.equations.check()
     }

@@ -119,6 +119,7 @@ pub fn settings(
         time: DualTimeSettings {
             scheme: match file.time.scheme {
                 TimeSchemeKind::Bdf2 => TimeScheme::Bdf2,
+                TimeSchemeKind::Bdf2Opt => TimeScheme::Bdf2Opt,
                 TimeSchemeKind::Bdf1 => TimeScheme::Bdf1,
             },
             // 1.5 orders move flutter points by less than the search's tolerance.

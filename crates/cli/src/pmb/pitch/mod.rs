@@ -177,6 +177,7 @@ pub fn compute(document: &Document, path: &Path, resume: bool, common: &Common) 
         time: DualTimeSettings {
             scheme: match file.time.scheme {
                 TimeSchemeKind::Bdf2 => TimeScheme::Bdf2,
+                TimeSchemeKind::Bdf2Opt => TimeScheme::Bdf2Opt,
                 TimeSchemeKind::Bdf1 => TimeScheme::Bdf1,
             },
             dt: clock.step_s * stream.speed_m_s,

@@ -123,7 +123,7 @@ fn a_uniform_stream_stays_uniform_on_grids_that_move_at_random() {
         let planar = grid.is_two_dimensional();
         assert_eq!(planar, name == "plane");
         let rest = Nodes::of(&grid);
-        for scheme in [TimeScheme::Bdf1, TimeScheme::Bdf2] {
+        for scheme in [TimeScheme::Bdf1, TimeScheme::Bdf2, TimeScheme::Bdf2Opt] {
             for restart in [None, Some(43)] {
                 let mut flow = start(&grid, scheme);
                 let mut fastest = 0.0_f64;

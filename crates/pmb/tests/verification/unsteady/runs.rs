@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use dip_grid::generate::BoxGrid;
 use dip_grid::{Condition, MultiBlock, split};
 use dip_pmb::FlowError;
-use dip_pmb::dual_time::DualTimeSettings;
+use dip_pmb::dual_time::{DualTimeSettings, TimeScheme};
 use dip_pmb::forced::{ForcedObserver, ForcedResult, ForcedSettings, ForcedStep, ForcedStop, run};
 use dip_pmb::motion::{Coordinate, Harmonic, Law, Motion, Shape};
 use dip_pmb::moving::Nodes;
@@ -137,12 +137,23 @@ fn history_bits(result: &ForcedResult) -> Vec<[u64; 3]> {
 
 #[test]
 fn a_resumed_unsteady_run_has_the_bits_of_one_that_never_stopped() {
-    let (reference, bits) = whole(&settings(None));
+    for scheme in [TimeScheme::Bdf2, TimeScheme::Bdf2Opt] {
+        resumed_has_the_bits_of_whole(scheme);
+    }
+}
+
+fn resumed_has_the_bits_of_whole(scheme: TimeScheme) {
+    let with_scheme = |restart| {
+        let mut s = settings(restart);
+        s.time.scheme = scheme;
+        s
+    };
+    let (reference, bits) = whole(&with_scheme(None));
     assert_eq!(reference.stop, ForcedStop::AllSteps);
     assert_eq!((reference.steps, reference.not_converged), (STEPS, 0));
     let (grid, motion) = case();
     let folder = tempfile::tempdir().expect("a folder");
-    let s = settings(Some(folder.path().join("case.restart")));
+    let s = with_scheme(Some(folder.path().join("case.restart")));
     // Stopped after the first step (of first order in time), then at steps without pattern.
     let mut all = Vec::new();
     for (after, from) in [
