@@ -52,6 +52,8 @@ pub(super) struct StationMaps {
     pub(super) plate: Conformal,
     pub(super) full_a: Vec<f64>,
     pub(super) plate_a: Vec<f64>,
+    /// The straight line between the ends of a curved camber line, for O grids: a map with a of every node.
+    pub(super) flat: Option<(Conformal, Vec<f64>)>,
     section: Section,
     twist_deg: f64,
 }
@@ -70,11 +72,22 @@ impl StationMaps {
         let plate = make(&plate_curve, 0.0)?;
         let full_a = t.iter().map(|&t| full.wall_parameter(full_curve(t), t)).collect();
         let plate_a = t.iter().map(|&t| plate.wall_parameter(plate_curve(t), t)).collect();
+        let (nose, tail) = (plate_curve(0.0), plate_curve(1.0));
+        let flat_curve = |t: f64| [0, 1].map(|d| nose[d] + t * t * (tail[d] - nose[d]));
+        let straight = |&t: &f64| (0..2).all(|d| (plate_curve(t)[d] - flat_curve(t)[d]).abs() < 1e-9);
+        let flat = if kind == Kind::C || t.iter().all(straight) {
+            None
+        } else {
+            let map = make(&flat_curve, 0.0)?;
+            let a = t.iter().map(|&t| map.wall_parameter(flat_curve(t), t)).collect();
+            Some((map, a))
+        };
         Ok(Self {
             full,
             plate,
             full_a,
             plate_a,
+            flat,
             section: section.clone(),
             twist_deg: station.twist_deg,
         })

@@ -250,6 +250,9 @@ impl WingOo {
             let [x_le, z_le, chord] = self.planform(y);
             let b = (2.0 * height / chord).asinh();
             let share = tip_share(wing, y, height);
+            // Outboard of the tip the sheet becomes straight within a quarter of a chord: a steep camber line would fold the long cells
+            // at its nose.
+            let curved = (-16.0 * ((y - tip).max(0.0) / chord).powi(2)).exp();
             let mixture = maps.at(wing, y);
             let q = mixed(&mixture, |s| {
                 let full = if share > 0.0 {
@@ -257,11 +260,15 @@ impl WingOo {
                 } else {
                     [0.0; 2]
                 };
-                let plate = if share < 1.0 {
+                let mut plate = if share < 1.0 {
                     s.plate.position(s.plate_a[i], b)
                 } else {
                     [0.0; 2]
                 };
+                if let Some((flat, a)) = s.flat.as_ref().filter(|_| curved < 1.0) {
+                    let flat = flat.position(a[i], b);
+                    plate = [0, 1].map(|d| flat[d] + curved * (plate[d] - flat[d]));
+                }
                 [
                     plate[0] + share * (full[0] - plate[0]),
                     plate[1] + share * (full[1] - plate[1]),
