@@ -345,6 +345,9 @@ fn solutions_of_overflow_read() {
         plot3d::write_solution(&path, &read).unwrap();
         let again = plot3d::read_solution(&path).unwrap();
         assert_eq!(again.blocks[0].q, read.blocks[0].q[..5]);
+        // It is no grid, and that is said.
+        let error = plot3d::parse("q.save", &file).unwrap_err().to_string();
+        assert!(error.contains("a Plot3D solution, not a grid"), "{error}");
         // Cut short it is none.
         assert!(plot3d::parse_solution("q.save", &file[..file.len() - 9]).is_err());
     }
@@ -364,6 +367,39 @@ fn sizes_in_integers_of_eight_bytes_read() {
         let read = plot3d::parse("grid", &file).unwrap();
         assert_eq!((read.blocks[0].nodes(), read.layout.multi), ([3, 2, 2], multi));
         assert_eq!(read.blocks[0].point(2, 1, 1), [11.0, 23.0, 35.0]);
+    }
+}
+
+/// A record for every array, as scripts write that know records of one array only: two blocks, with and without iblank.
+#[test]
+fn a_record_for_every_array_reads() {
+    for (iblank, three_d) in [(false, true), (true, true), (false, false), (true, false)] {
+        let sizes: &[i32] = if three_d { &[3, 2, 4, 2, 2, 2] } else { &[3, 2, 2, 2] };
+        let mut file = [
+            record(&bytes(&[2i32], i32::to_le_bytes)),
+            record(&bytes(sizes, i32::to_le_bytes)),
+        ]
+        .concat();
+        for size in sizes.chunks(sizes.len() / 2) {
+            let count = size.iter().product::<i32>();
+            for d in 0..size.len() {
+                let values: Vec<f64> = (0..count).map(|n| f64::from(n + 100 * d as i32)).collect();
+                file.extend(record(&bytes(&values, f64::to_le_bytes)));
+            }
+            if iblank {
+                file.extend(record(&bytes(&vec![1; count as usize], i32::to_le_bytes)));
+            }
+        }
+        let read = plot3d::parse("grid", &file).unwrap();
+        assert_eq!((read.layout.iblank, read.layout.three_d), (iblank, three_d));
+        let last = read.blocks[0].nodes().map(|n| n - 1);
+        let wanted = if three_d {
+            [23.0, 123.0, 223.0]
+        } else {
+            [5.0, 0.0, 105.0]
+        };
+        assert_eq!(read.blocks[0].point_at(last), wanted);
+        assert_eq!(read.iblank[1].is_some(), iblank);
     }
 }
 

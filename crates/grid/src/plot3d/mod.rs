@@ -120,6 +120,10 @@ pub fn read(path: &Path) -> Result<Grid, Plot3dError> {
 pub fn parse(file: &str, bytes: &[u8]) -> Result<Grid, Plot3dError> {
     detect::grid(bytes).map_err(|what| Plot3dError::Content {
         file: file.to_owned(),
-        what,
+        what: if parse_solution(file, bytes).is_ok() {
+            "a Plot3D solution, not a grid".into()
+        } else {
+            what
+        },
     })
 }

@@ -14,58 +14,102 @@ pub(super) fn unformatted(all: &[Vec<&[u8]>], order: Order, marker: usize) -> Re
     if let Some(grid) = size_before_each(all, order, encoding) {
         return Ok(grid);
     }
-    let found = |n: usize| all[used + n].iter().map(|p| p.len()).sum::<usize>();
     let mut what = String::from("its first records are not the sizes of Plot3D blocks");
     for three_d in [true, false] {
         let Some(sizes) = sizes(&head, three_d) else { continue };
         if multi.is_some_and(|n| n != sizes.len()) {
             continue;
         }
-        if all.len() - used != sizes.len() {
-            if let Some(grid) = planes(&all[used..], &sizes, order, encoding, multi.is_some(), three_d) {
-                return Ok(grid);
+        let layout = Layout {
+            encoding,
+            double: true,
+            multi: multi.is_some(),
+            three_d,
+            iblank: false,
+        };
+        let rest = &all[used..];
+        if rest.len() == sizes.len() {
+            if let Some(fits) = whole(rest, &sizes, order, layout) {
+                thick_along_k(&sizes)?;
+                return Ok(fits);
             }
-            what = format!(
-                "the header says {} blocks, the file has {} records of coordinates",
-                sizes.len(),
-                all.len() - used
-            );
+            what = misfit(rest, &sizes, three_d);
             continue;
         }
-        for (double, iblank) in VARIANTS {
-            let fits = |(n, &s): (usize, &Size)| block_bytes(s, three_d, double, iblank) == Some(found(n));
-            if sizes.iter().enumerate().all(fits) {
-                thick_along_k(&sizes)?;
-                let layout = Layout {
-                    encoding,
-                    double,
-                    multi: multi.is_some(),
-                    three_d,
-                    iblank,
-                };
-                let joined: Vec<Vec<u8>> = all[used..].iter().map(|pieces| pieces.concat()).collect();
-                return Ok(build(&sizes, layout, &mut |b, part| {
-                    array(&joined[b], nodes(sizes[b]), part, order, layout)
-                }));
-            }
+        if let Some(grid) = planes(rest, &sizes, order, encoding, multi.is_some(), three_d) {
+            return Ok(grid);
         }
-        let n = (0..sizes.len())
-            .find(|&n| {
-                VARIANTS
-                    .iter()
-                    .all(|&(d, i)| block_bytes(sizes[n], three_d, d, i) != Some(found(n)))
-            })
-            .unwrap_or(0);
+        if let Some(grid) = array_by_array(rest, &sizes, order, layout) {
+            return Ok(grid);
+        }
         what = format!(
-            "block {} should have {} x {} x {} nodes, but its record of {} bytes holds another number",
-            n + 1,
-            sizes[n][0],
-            sizes[n][1],
-            sizes[n][2],
-            found(n)
+            "the header says {} blocks, the file has {} records of coordinates",
+            sizes.len(),
+            rest.len()
         );
     }
     Err(what)
+}
+
+/// A record for every block, with all its arrays. Precision and iblank of `layout` are found.
+fn whole(all: &[Vec<&[u8]>], sizes: &[Size], order: Order, layout: Layout) -> Option<Grid> {
+    VARIANTS.into_iter().find_map(|(double, iblank)| {
+        let fits = |(record, &s): (&Vec<&[u8]>, &Size)| {
+            block_bytes(s, layout.three_d, double, iblank) == Some(bytes_of(record))
+        };
+        if !all.iter().zip(sizes).all(fits) {
+            return None;
+        }
+        let layout = Layout {
+            double,
+            iblank,
+            ..layout
+        };
+        let joined: Vec<Vec<u8>> = all.iter().map(|pieces| pieces.concat()).collect();
+        Some(build(sizes, layout, &mut |b, part| {
+            array(&joined[b], nodes(sizes[b]), part, order, layout)
+        }))
+    })
+}
+
+/// A record for every array of every block, as programs write that know records of one array only (Python's among them).
+fn array_by_array(all: &[Vec<&[u8]>], sizes: &[Size], order: Order, layout: Layout) -> Option<Grid> {
+    thick_along_k(sizes).ok()?;
+    let parts = all.len() / sizes.len().max(1);
+    let arrays = if layout.three_d { 3..=4 } else { 2..=3 };
+    if !arrays.contains(&parts) || all.len() != parts * sizes.len() {
+        return None;
+    }
+    let equal = |records: &[Vec<&[u8]>]| {
+        let coordinates = &records[..*arrays.start()];
+        coordinates.iter().all(|r| bytes_of(r) == bytes_of(&records[0]))
+    };
+    if !all.chunks(parts).all(equal) {
+        return None;
+    }
+    let joined: Vec<Vec<&[u8]>> = all.chunks(parts).map(|records| records.concat()).collect();
+    whole(&joined, sizes, order, layout).filter(|grid| usize::from(grid.layout.iblank) == parts - arrays.start())
+}
+
+fn bytes_of(record: &[&[u8]]) -> usize {
+    record.iter().map(|p| p.len()).sum()
+}
+
+/// Which block's record has another length than its size says.
+fn misfit(all: &[Vec<&[u8]>], sizes: &[Size], three_d: bool) -> String {
+    let fits = |n: usize| {
+        let found = Some(bytes_of(&all[n]));
+        VARIANTS
+            .iter()
+            .any(|&(d, i)| block_bytes(sizes[n], three_d, d, i) == found)
+    };
+    let n = (0..sizes.len()).find(|&n| !fits(n)).unwrap_or(0);
+    let [ni, nj, nk] = sizes[n];
+    format!(
+        "block {} should have {ni} x {nj} x {nk} nodes, but its record of {} bytes holds another number",
+        n + 1,
+        bytes_of(&all[n])
+    )
 }
 
 /// Plot3D's `PLANES`: a record for each plane k, with x, y, z (and iblank) of that plane.
@@ -89,11 +133,10 @@ fn planes(
             Some(start)
         })
         .collect();
-    let found = |n: usize| all[n].iter().map(|p| p.len()).sum::<usize>();
     VARIANTS.into_iter().find_map(|(double, iblank)| {
         let fits = |(b, s): (usize, &Size)| {
             let wanted = block_bytes([s[0], s[1], 1], three_d, double, iblank);
-            (0..s[2]).all(|k| Some(found(starts[b] + k)) == wanted)
+            (0..s[2]).all(|k| Some(bytes_of(&all[starts[b] + k])) == wanted)
         };
         if !sizes.iter().enumerate().all(fits) || thick_along_k(sizes).is_err() {
             return None;
