@@ -87,7 +87,7 @@ fn array_by_array(all: &[Vec<&[u8]>], sizes: &[Size], order: Order, layout: Layo
     if !all.chunks(parts).all(equal) {
         return None;
     }
-    let joined: Vec<Vec<&[u8]>> = all.chunks(parts).map(|records| records.concat()).collect();
+    let joined: Vec<Vec<&[u8]>> = all.chunks(parts).map(<[Vec<&[u8]>]>::concat).collect();
     whole(&joined, sizes, order, layout).filter(|grid| usize::from(grid.layout.iblank) == parts - arrays.start())
 }
 
