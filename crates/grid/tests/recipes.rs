@@ -91,6 +91,23 @@ fn shipped_levels_are_every_second_point_of_the_finer_to_the_last_bit() {
     }
 }
 
+/// The camber line at the tip of the LANN wing rises by 20 degrees at the nose: outboard of the tip it would fold the corners of the
+/// sheet's long cells, and a sheet that becomes straight does not.
+#[test]
+fn a_straight_sheet_folds_no_corner_of_a_steep_camber_line() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../meshes/lann_ch_euler.toml");
+    let worst = |sheet: &str| {
+        let mut recipe = recipe::read(&path).unwrap();
+        recipe.spacing.nose = Some(0.004);
+        recipe.wing.as_mut().unwrap().sheet = Some(sheet.into());
+        let report = quality::check(&recipe.make().unwrap());
+        (report.figure(names::JACOBIAN).unwrap().worst[0].value, report.is_good())
+    };
+    let (camber, straight) = (worst("camber"), worst("straight"));
+    assert!(camber.0 < -0.15 && !camber.1, "{camber:?}");
+    assert!(straight.0 > -0.06 && straight.1, "{straight:?}");
+}
+
 /// Small recipes of every kind; `@` stands for the folder of the shipped ones.
 const SMALL: [&str; 9] = [
     "kind = \"aerofoil-c\"\n[section]\nnaca = \"2412\"\ntrailing_edge = \"blunt\"\n[cells]\nsurface = 12\nwake = 6\nnormal = 8\nbase = 2\n[spacing]\nwall = 0.01\nnose = 0.02\ntail = 0.03\nwake_growth = 1\ngrowth_limit = 9\n[extent]\nfar_field = 10\n",

@@ -80,6 +80,7 @@ fn wing_ch(stride: usize, tip: TipShape) -> WingCh {
         far_field: 10.0,
         exit: 12.0,
         wake_growth: 1.0,
+        straight_sheet: true,
         growth_limit: 2.0,
         stride,
     }

@@ -81,6 +81,9 @@ fn check(grid: &dip_grid::MultiBlock) -> Result<(), TestCaseError> {
     let volume = report.figure(names::VOLUME).map(|f| f.worst[0].value);
     prop_assert!(volume > Some(0.0), "{report}");
     prop_assert!(report.findings.iter().all(|f| !f.fatal), "{report}");
+    // Steep camber lines fold no corner of the sheet outboard of the tip.
+    let jacobian = report.figure(names::JACOBIAN).map(|f| f.worst[0].value);
+    prop_assert!(jacobian > Some(-0.1), "{report}");
     Ok(())
 }
 
@@ -115,6 +118,7 @@ proptest! {
             far_field: 12.0,
             exit: 12.0 + tail,
             wake_growth: 1.0,
+            straight_sheet: true,
             growth_limit: 3.0,
             stride: 1,
             wing,

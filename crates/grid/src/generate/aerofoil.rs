@@ -86,6 +86,7 @@ impl AerofoilGrid {
                     .collect();
                 let plane = PlaneC {
                     mixture: vec![(&maps, 1.0)],
+                    curved: 1.0,
                     wall: t.iter().map(|&t| station.turned(t)).collect(),
                     wake,
                     share: &|_| 1.0,

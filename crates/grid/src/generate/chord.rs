@@ -52,7 +52,7 @@ pub(super) struct StationMaps {
     pub(super) plate: Conformal,
     pub(super) full_a: Vec<f64>,
     pub(super) plate_a: Vec<f64>,
-    /// The straight line between the ends of a curved camber line, for O grids: a map with a of every node.
+    /// At the tip, if its camber line is curved: the map of the straight line between its ends, with a of every node.
     pub(super) flat: Option<(Conformal, Vec<f64>)>,
     section: Section,
     twist_deg: f64,
@@ -72,26 +72,44 @@ impl StationMaps {
         let plate = make(&plate_curve, 0.0)?;
         let full_a = t.iter().map(|&t| full.wall_parameter(full_curve(t), t)).collect();
         let plate_a = t.iter().map(|&t| plate.wall_parameter(plate_curve(t), t)).collect();
-        let (nose, tail) = (plate_curve(0.0), plate_curve(1.0));
-        let flat_curve = |t: f64| [0, 1].map(|d| nose[d] + t * t * (tail[d] - nose[d]));
-        let straight = |&t: &f64| (0..2).all(|d| (plate_curve(t)[d] - flat_curve(t)[d]).abs() < 1e-9);
-        let flat = if kind == Kind::C || t.iter().all(straight) {
-            None
-        } else {
-            let map = make(&flat_curve, 0.0)?;
-            let a = t.iter().map(|&t| map.wall_parameter(flat_curve(t), t)).collect();
-            Some((map, a))
-        };
         Ok(Self {
             full,
             plate,
             full_a,
             plate_a,
-            flat,
+            flat: None,
             section: section.clone(),
             twist_deg: station.twist_deg,
         })
     }
+
+    /// Adds the map of the straight line between the ends of the camber line, if that is curved.
+    fn add_flat(&mut self, kind: Kind, station: &Station, t: &[f64]) -> Result<(), MapError> {
+        let flat = |t: f64| straight(station.camber_line(0.0), station.camber_line(1.0), t);
+        let on_it = |&t: &f64| (0..2).all(|d| (station.camber_line(t)[d] - flat(t)[d]).abs() < 1e-9);
+        if t.iter().all(on_it) {
+            return Ok(());
+        }
+        let name = self.section.name();
+        let map = match kind {
+            Kind::C => Conformal::c(name, &flat, 0.0),
+            Kind::O => Conformal::o(name, &flat, 0.0),
+        }?;
+        let a = t.iter().map(|&t| map.wall_parameter(flat(t), t)).collect();
+        self.flat = Some((map, a));
+        Ok(())
+    }
+}
+
+/// The point at |t| of the straight line that stands for a camber line from `nose` to `tail`.
+pub(super) fn straight(nose: [f64; 2], tail: [f64; 2], t: f64) -> [f64; 2] {
+    [0, 1].map(|d| nose[d] + t * t * (tail[d] - nose[d]))
+}
+
+/// Share of the camber line's curvature that the sheet outboard of the tip has left, at a distance from it over the chord: a steep
+/// camber line would fold the long cells at its nose.
+pub(super) fn curved(beyond: f64) -> f64 {
+    (-16.0 * beyond.max(0.0).powi(2)).exp()
 }
 
 /// The maps of all stations of a wing; stations with one section share one.
@@ -104,7 +122,8 @@ pub(super) struct WingMaps {
 pub(super) type Mixture<'a> = Vec<(&'a StationMaps, f64)>;
 
 impl WingMaps {
-    pub(super) fn new(kind: Kind, wing: &Wing, t: &[f64]) -> Result<Self, MapError> {
+    /// With `flat`, the sheet outboard of the tip may become straight.
+    pub(super) fn new(kind: Kind, wing: &Wing, t: &[f64], flat: bool) -> Result<Self, MapError> {
         let mut maps: Vec<StationMaps> = Vec::new();
         let mut of_station = Vec::new();
         for station in &wing.stations {
@@ -115,6 +134,9 @@ impl WingMaps {
             }
             maps.push(StationMaps::new(kind, station, t)?);
             of_station.push(maps.len() - 1);
+        }
+        if let (true, Some(&n), Some(tip)) = (flat, of_station.last(), wing.stations.last()) {
+            maps[n].add_flat(kind, tip, t)?;
         }
         Ok(Self { maps, of_station })
     }

@@ -7,6 +7,8 @@ use super::line::spread;
 pub(super) struct PlaneC<'a> {
     /// Maps of the section with weights.
     pub(super) mixture: Mixture<'a>,
+    /// Share of the camber line's curvature that the plate has; the rest is that of the straight line between its ends.
+    pub(super) curved: f64,
     /// Wall nodes, upper trailing edge to lower.
     pub(super) wall: Vec<[f64; 2]>,
     /// x of the wake's nodes from the trailing edge to the exit.
@@ -25,6 +27,14 @@ pub(super) struct PlaneC<'a> {
     pub(super) stride: usize,
 }
 
+/// What a map is of.
+#[derive(Clone, Copy)]
+enum Line {
+    Full,
+    Plate,
+    Flat,
+}
+
 /// Nodes of a plane.
 pub(super) struct Plane {
     /// Positions `[j][i]`.
@@ -38,15 +48,15 @@ impl PlaneC<'_> {
     pub(super) fn make(&self) -> Plane {
         let tail = self.wake.len() - 1;
         let last = self.wall.len() - 1 + 2 * tail;
-        // In each map: a of node i, on the section or its camber line.
-        let parameters = |full: bool| -> Vec<Vec<f64>> {
+        // In each map: a of node i, on the section, its camber line, or the straight line that stands for that.
+        let parameters = |line: Line| -> Vec<Vec<f64>> {
             self.mixture
                 .iter()
                 .map(|(maps, _)| {
-                    let (map, wall) = if full {
-                        (&maps.full, &maps.full_a)
-                    } else {
-                        (&maps.plate, &maps.plate_a)
+                    let (map, wall) = match (line, &maps.flat) {
+                        (Line::Full, _) => (&maps.full, &maps.full_a),
+                        (Line::Flat, Some((map, a))) => (map, a),
+                        _ => (&maps.plate, &maps.plate_a),
                     };
                     let wake: Vec<f64> = self.wake.iter().skip(1).map(|&x| map.wake_parameter(x)[0]).collect();
                     let below: Vec<f64> = self.wake.iter().skip(1).map(|&x| map.wake_parameter(x)[1]).collect();
@@ -58,9 +68,14 @@ impl PlaneC<'_> {
                 })
                 .collect()
         };
-        let (full_a, plate_a) = (parameters(true), parameters(false));
+        let (full_a, plate_a) = (parameters(Line::Full), parameters(Line::Plate));
+        let flat_a = if self.curved < 1.0 {
+            parameters(Line::Flat)
+        } else {
+            Vec::new()
+        };
         let even = |all: &[Vec<f64>]| -> Vec<Vec<f64>> { all.iter().map(|a| evened(a)).collect() };
-        let (full_far, plate_far) = (even(&full_a), even(&plate_a));
+        let (full_far, plate_far, flat_far) = (even(&full_a), even(&plate_a), even(&flat_a));
         let wall = |i: usize| -> [f64; 2] {
             if i < tail || i > last - tail {
                 let m = if i < tail { tail - i } else { i - (last - tail) };
@@ -102,7 +117,15 @@ impl PlaneC<'_> {
                     }
                     if share < 1.0 {
                         let a = lean(&plate_a[m], &plate_far[m], b);
-                        add(maps.plate.position(a, b), weight * (1.0 - share));
+                        let weight = weight * (1.0 - share);
+                        let flat = maps.flat.as_ref().zip(flat_a.get(m)).zip(flat_far.get(m));
+                        if let Some((((flat, _), near), far)) = flat {
+                            add(maps.plate.position(a, b), weight * self.curved);
+                            let a = lean(near, far, b);
+                            add(flat.position(a, b), weight * (1.0 - self.curved));
+                        } else {
+                            add(maps.plate.position(a, b), weight);
+                        }
                     }
                 }
                 p

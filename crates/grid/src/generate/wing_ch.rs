@@ -45,6 +45,8 @@ pub struct WingCh {
     pub exit: f64,
     /// Growth of the first step behind and outboard of the wing, per chord.
     pub wake_growth: f64,
+    /// The sheet outboard of the tip becomes straight within a quarter of a chord; else it keeps the tip's camber line.
+    pub straight_sheet: bool,
     /// Largest growth ratio allowed from wall to far field.
     pub growth_limit: f64,
     /// Keep every node (1), every second (2), every fourth (4): the exact coarser levels. Divides all numbers of cells.
@@ -77,7 +79,7 @@ impl WingCh {
             self.tail_spacing,
         );
         let t = chord::around(&side);
-        let maps = WingMaps::new(Kind::C, wing, &t)?;
+        let maps = WingMaps::new(Kind::C, wing, &t, self.straight_sheet)?;
         let y: Vec<f64> = self.span_stations().into_iter().step_by(self.stride).collect();
         let planes: Result<Vec<(Plane, [f64; 3])>, GenerateError> =
             y.par_iter().map(|&y| self.plane(&maps, &t, y, smoothing)).collect();
@@ -195,9 +197,22 @@ impl WingCh {
         let share = |height: f64| tip_share(wing, y, height * chord);
         let beyond = (y - wing.tip_y()).max(0.0) / chord;
         let exit = (wing.planform(wing.root_y())[0] + self.exit - x_le) / chord;
+        let mixture = maps.at(wing, y);
+        let is_bent = mixture.iter().any(|(maps, _)| maps.flat.is_some());
+        let curved = if is_bent { chord::curved(beyond) } else { 1.0 };
+        let ends = [0.0, 1.0].map(|t| local(wing.point(y, t)));
+        let wall = |&t: &f64| -> [f64; 2] {
+            let p = local(wing.point(y, t));
+            if curved == 1.0 {
+                return p;
+            }
+            let straight = chord::straight(ends[0], ends[1], t);
+            [0, 1].map(|d| straight[d] + curved * (p[d] - straight[d]))
+        };
         let plane = PlaneC {
-            mixture: maps.at(wing, y),
-            wall: t.iter().map(|&t| local(wing.point(y, t))).collect(),
+            mixture,
+            curved,
+            wall: t.iter().map(wall).collect(),
             wake: geometric(self.wake, self.tail_spacing, exit - 1.0)
                 .iter()
                 .map(|x| 1.0 + x)

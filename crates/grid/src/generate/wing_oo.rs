@@ -85,7 +85,7 @@ impl WingOo {
             self.tail_spacing,
         );
         let t = chord::around(&side);
-        let maps = WingMaps::new(Kind::O, wing, &t)?;
+        let maps = WingMaps::new(Kind::O, wing, &t, true)?;
         let (root, tip) = (wing.root_y(), wing.tip_y());
         let semispan = tip - root;
         let y: Vec<f64> = two_sided(self.span, self.root_spacing / semispan, self.tip_spacing / semispan)
@@ -250,9 +250,7 @@ impl WingOo {
             let [x_le, z_le, chord] = self.planform(y);
             let b = (2.0 * height / chord).asinh();
             let share = tip_share(wing, y, height);
-            // Outboard of the tip the sheet becomes straight within a quarter of a chord: a steep camber line would fold the long cells
-            // at its nose.
-            let curved = (-16.0 * ((y - tip).max(0.0) / chord).powi(2)).exp();
+            let curved = chord::curved((y - tip) / chord);
             let mixture = maps.at(wing, y);
             let q = mixed(&mixture, |s| {
                 let full = if share > 0.0 {

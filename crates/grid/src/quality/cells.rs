@@ -254,8 +254,8 @@ pub(super) fn volume_findings(grid: &MultiBlock, figures: &[Figure], findings: &
             names::JACOBIAN,
             -0.1,
             "folded at a corner",
-            "; smooth the lines there (in C-H recipes, at the nose of the sheet outboard of a tip: take a larger \
-             spacing.nose, or spacing.wake_growth = 0)",
+            "; smooth the lines there (in C-H recipes, at the nose of the sheet outboard of a tip: take wing.sheet = \
+             \"straight\", a larger spacing.nose, or spacing.wake_growth = 0)",
         ),
         (names::SKEWNESS, 88.0, "very skewed", ""),
         (

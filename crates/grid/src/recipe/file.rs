@@ -111,6 +111,8 @@ pub struct WingSource {
     pub tip: Option<String>,
     /// Span over which the tip closes; half the tip's thickness if left out.
     pub tip_length: Option<Length>,
+    /// Sheet outboard of the tip in C-H grids: `straight` within a quarter of a chord, or the tip's `camber` line.
+    pub sheet: Option<String>,
 }
 
 /// Plate, bump, ramp or box.

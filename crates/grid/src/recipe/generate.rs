@@ -8,11 +8,12 @@ use crate::generate::{
 use crate::topology::MultiBlock;
 
 /// Keys that only some kinds know.
-const KEYS: [(&str, &[Kind]); 27] = {
+const KEYS: [(&str, &[Kind]); 28] = {
     use Kind::{AerofoilC, AerofoilO, Box, Bump, FlatPlate, Ramp, WingCh, WingOo};
     [
         ("section", &[AerofoilC, AerofoilO]),
         ("wing", &[WingCh, WingOo]),
+        ("wing.sheet", &[WingCh]),
         ("shape.length", &[FlatPlate, Bump, Ramp]),
         ("shape.height", &[Bump]),
         ("shape.angle", &[Ramp]),
@@ -60,6 +61,7 @@ impl Recipe {
         match key {
             "section" => self.section.is_some(),
             "wing" => self.wing.is_some(),
+            "wing.sheet" => self.wing.as_ref().is_some_and(|w| w.sheet.is_some()),
             "shape.length" => shape.length.is_some(),
             "shape.height" => shape.height.is_some(),
             "shape.angle" => shape.angle.is_some(),
@@ -234,6 +236,13 @@ impl Recipe {
             far_field: self.need(self.extent.far_field, "extent.far_field")?.0,
             exit: self.need(self.extent.exit, "extent.exit")?.0,
             wake_growth: self.spacing.wake_growth.unwrap_or(1.0),
+            straight_sheet: match source.sheet.as_deref() {
+                None | Some("straight") => true,
+                Some("camber") => false,
+                Some(other) => {
+                    return Err(self.key(format!("wing.sheet: straight or camber is needed, got \"{other}\"")));
+                }
+            },
             growth_limit: self.growth_limit(),
             stride: if self.smoothing.is_some() { 1 } else { self.stride()? },
         })
