@@ -1,9 +1,10 @@
 //! Validation of unsteady Euler flow: a thin section against Possio's equation, AGARD R-702's pitching aerofoils, pitching
 //! wings. Writes `docs/validation/unsteady/`.
 //!
-//! `RAYON_NUM_THREADS=1 cargo run --release -p dip-pmb --example validate_unsteady [-- thin limit ct3 ct ct6 agard lann f5]`
+//! `RAYON_NUM_THREADS=1 cargo run --release -p dip-pmb --example validate_unsteady [-- thin limit ct3 ct ct6 agard lann f5 motions]`
 //! (all by default; some minutes on one core). With no part that it knows, it only puts the page together.
 
+mod motions;
 mod pitching;
 mod plates;
 mod possio;
@@ -311,7 +312,8 @@ fn page(folder: &Path) -> Outcome<()> {
          ![First harmonic of Cp, LANN wing](lann_cp.svg)\n\n\
          ## The wing's pressures beside the lattice's\n\n\
          First harmonics of Cp at three sections of AGARD 445.6 as in the thesis's figure 6.9, beside the doublet lattice's:\n\
-         [correction](../correction/README.md).\n\n{}",
+         [correction](../correction/README.md).\n\n\
+         ## One run or several\n\n{}",
         table("thin"),
         table("limit"),
         table("ct3"),
@@ -348,6 +350,7 @@ fn main() -> Outcome<()> {
         ("agard", wings::agard),
         ("f5", wings::f5),
         ("lann", wings::lann),
+        ("motions", motions::motions),
     ] {
         if asked.is_empty() || asked.iter().any(|a| a == name) {
             let table = work(&folder)?;

@@ -165,22 +165,22 @@ fn rows(motion: PlateMotion, mach: f64, seen: &[(f64, [Complex<f64>; 3])]) -> Ve
         .collect()
 }
 
-/// What thickness, grid and step do: the 1 % section, the same on a finer grid and with half the step, a 2 % one on the same
+/// What thickness, grid and step do: the 1 % section, the same on every second point and with half the step, a 2 % one on the same
 /// grid, and the first and the last taken to no thickness.
 pub fn limit(_: &Path) -> Outcome<String> {
-    let [thin, fine, thick] = [
+    let [thin, coarse, thick] = [
         "thin_plate_1_unsteady",
-        "thin_plate_1_unsteady_fine",
+        "thin_plate_1_unsteady_coarse",
         "thin_plate_2_unsteady",
     ]
     .map(mesh);
-    let (thin, fine, thick) = (thin?, fine?, thick?);
+    let (thin, coarse, thick) = (thin?, coarse?, thick?);
     let mut text = format!(
-        "What is left is the thickness. Pitch at Mach 0.5 on {} cells, for the finer grid {}; `none` is the line through 2 % and 1 %\n\
+        "What is left is the thickness. Pitch at Mach 0.5 on {} cells, `coarse` {}; `none` is the line through 2 % and 1 %\n\
          (lift and moment of a section differ from a plate's by a part that goes with its thickness).\n\n\
          | Mach | k | thickness | grid | steps | CL | %, deg | CM | %, deg |\n|---|---|---|---|---|---|---|---|---|\n",
         thin.cell_count(),
-        fine.cell_count()
+        coarse.cell_count()
     );
     for k in [0.1, 0.5] {
         let case = case(PlateMotion::Pitch, 0.5, k);
@@ -190,13 +190,13 @@ pub fn limit(_: &Path) -> Outcome<String> {
         };
         let on_thick = run(case.steps, &thick)?;
         let on_thin = run(case.steps, &thin)?;
-        let on_fine = run(case.steps, &fine)?;
+        let on_coarse = run(case.steps, &coarse)?;
         let slowly = run(2 * case.steps, &thin)?;
         let none = [0, 1].map(|c| 2.0 * on_thin[c] - on_thick[c]);
         for (name, grid, steps, ours) in [
             ("2 %", "same", case.steps, on_thick),
             ("1 %", "same", case.steps, on_thin),
-            ("1 %", "finer", case.steps, on_fine),
+            ("1 %", "coarse", case.steps, on_coarse),
             ("1 %", "same", 2 * case.steps, slowly),
             ("none", "same", case.steps, none),
         ] {

@@ -65,6 +65,27 @@ pub struct WingCycle {
     pub not_converged: usize,
 }
 
+/// What came of a motion.
+pub struct Lift {
+    /// Time, angle, lift coefficient after every step.
+    pub history: Vec<[f64; 3]>,
+    /// CPU seconds.
+    pub cpu_s: f64,
+}
+
+impl Lift {
+    /// Lift per radian at a frequency: ratio of the transforms of lift and angle over the last `steps` steps.
+    pub fn per_radian(&self, omega: f64, steps: usize) -> Complex<f64> {
+        let zero = Complex::new(0.0, 0.0);
+        let last = &self.history[self.history.len().saturating_sub(steps)..];
+        let [angle, lift] = last.iter().fold([zero; 2], |[angle, lift], [time, a, cl]| {
+            let wave = Complex::new(0.0, -omega * time).exp();
+            [angle + wave * a, lift + wave * cl]
+        });
+        lift / angle
+    }
+}
+
 impl<'a> Start<'a> {
     /// Solves the steady flow at the mean incidence.
     pub fn new(wing: Wing, grid: &'a MultiBlock) -> Result<Self, Box<dyn Error>> {
@@ -89,6 +110,50 @@ impl<'a> Start<'a> {
         })
     }
 
+    /// Pitch about the wing's axis.
+    fn motion(&self, law: Law) -> Motion {
+        Motion {
+            rest: Nodes::of(self.grid),
+            coordinates: vec![Coordinate {
+                name: "pitch".into(),
+                shape: Shape::Rotation {
+                    point: [self.wing.axis * self.wing.chord, 0.0, 0.0],
+                    axis: [0.0, 1.0, 0.0],
+                },
+                law,
+                blocks: None,
+            }],
+        }
+    }
+
+    /// Angle and lift after every step of any motion, and the CPU seconds it took.
+    pub fn lift(&self, law: &Law, dt: f64, steps: usize, orders: f64) -> Result<Lift, Box<dyn Error>> {
+        let begin = ProcessTime::now();
+        let motion = self.motion(law.clone());
+        let level = &self.equations.level;
+        let mut walls = WallGeometry::merged(self.grid, level, &self.equations.boundaries, level);
+        let settings = DualTimeSettings {
+            dt,
+            orders,
+            ..DualTimeSettings::default()
+        };
+        let mut flow = DualTime::new(Solver::new(self.equations.clone()), self.grid, settings);
+        let mut history = Vec::with_capacity(steps);
+        for step in 1..=steps {
+            let time = step as f64 * dt;
+            flow.advance(|nodes| motion.place(time, nodes))?;
+            let e = &flow.solver.equations;
+            walls.follow(&e.level, &flow.grid.now);
+            let now = walls.pressures(&e.level, &e.sides, &self.settings.flow);
+            let loads = integrate(&now, &self.settings.flow, &self.settings.reference).total;
+            history.push([time, law.at(time)[0], loads.cl]);
+        }
+        Ok(Lift {
+            history,
+            cpu_s: begin.elapsed().as_secs_f64(),
+        })
+    }
+
     /// Runs some cycles of `steps` each, every step by `orders`.
     pub fn run(
         &self,
@@ -101,25 +166,14 @@ impl<'a> Start<'a> {
         let omega = 2.0 * wing.k / wing.chord;
         let dt = TAU / omega / steps as f64;
         let amplitude = wing.amplitude_deg.to_radians();
-        let motion = Motion {
-            rest: Nodes::of(self.grid),
-            coordinates: vec![Coordinate {
-                name: "pitch".into(),
-                shape: Shape::Rotation {
-                    point: [wing.axis * wing.chord, 0.0, 0.0],
-                    axis: [0.0, 1.0, 0.0],
-                },
-                law: Law::Harmonic {
-                    mean: 0.0,
-                    terms: vec![Harmonic {
-                        amplitude,
-                        omega,
-                        phase: 0.0,
-                    }],
-                },
-                blocks: None,
+        let motion = self.motion(Law::Harmonic {
+            mean: 0.0,
+            terms: vec![Harmonic {
+                amplitude,
+                omega,
+                phase: 0.0,
             }],
-        };
+        });
         let level = &self.equations.level;
         let mut walls = WallGeometry::merged(self.grid, level, &self.equations.boundaries, level);
         let at_rest = walls.pressures(level, &self.equations.sides, &self.settings.flow);
