@@ -6,6 +6,7 @@
 use std::error::Error;
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
+use std::time::Instant;
 
 use cpu_time::ProcessTime;
 use dip_grid::recipe;
@@ -77,7 +78,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     );
     let per_cycle = steps as usize;
     for cycle in 0..cycles as usize {
-        let begin = ProcessTime::now();
+        let (begin, wall) = (ProcessTime::now(), Instant::now());
         let (mut iterations, mut products, mut builds, mut failed) = (0, 0, 0, 0);
         let mut sums = [[0.0; 2]; 2];
         for n in 0..per_cycle {
@@ -107,8 +108,9 @@ fn main() -> Result<(), Box<dyn Error>> {
         }
         let a = 1.0_f64.to_radians();
         println!(
-            "cycle {cycle}: {:.2} s of CPU time, {iterations} Newton, {products} products, {builds} builds, {failed} not converged; CL {:.5} {:+.5} i  CM {:.5} {:+.5} i a radian",
+            "cycle {cycle}: {:.2} s of CPU time, {:.2} s, {iterations} Newton, {products} products, {builds} builds, {failed} not converged; CL {:.5} {:+.5} i  CM {:.5} {:+.5} i a radian",
             begin.elapsed().as_secs_f64(),
+            wall.elapsed().as_secs_f64(),
             sums[0][0] / a,
             sums[0][1] / a,
             sums[1][0] / a,
