@@ -95,9 +95,9 @@ impl Secants {
         if coefficients.iter().any(|c| !c.is_finite()) {
             return false;
         }
-        for ((pair, c), size) in self.pairs.iter().zip(coefficients.iter()).zip(&size) {
-            vector::add_scaled(w, c / size, &pair[0]);
-        }
+        let scaled: Vec<f64> = coefficients.iter().zip(&size).map(|(c, size)| c / size).collect();
+        let changes: Vec<&[f32]> = self.pairs.iter().map(|p| p[0].as_slice()).collect();
+        vector::add_many(w, &scaled, &changes);
         true
     }
 }
