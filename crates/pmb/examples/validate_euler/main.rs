@@ -137,8 +137,8 @@ fn page(folder: &Path) -> Outcome<()> {
              No measured pressures are published for this wing; the grids are compared with each other. On C-H grids of their own with\n\
              53,760 cells, at Mach 0.96 and 1 degree, CL / CD are 0.07204 / 0.00183 by NASA's CFL3D (smooth limiter), 0.07034 / 0.00255 by\n\
              ADflow (van Albada), 0.07123 / 0.00123 by ADflow without limiter. Ours depend on the constant of the limiter as theirs do\n\
-             (`docs/performance.md` has them for other constants); the table has the default, 5. Coarse grids come first, the medium ones take\n\
-             most of an hour; a row that is missing was not run again with the present solver.\n\n";
+             (`docs/performance.md` has them for other constants); the table has the default, 5. The medium O-O grid has twice the cells of the coarse\n\
+             one along each direction, the medium C-H grid half as many again.\n\n";
     text += &table("agard");
     for m in [678, 901, 960, 1072] {
         for alpha in [0, 1] {

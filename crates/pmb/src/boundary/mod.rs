@@ -10,4 +10,5 @@ mod sides;
 
 pub use ghosts::fill_ghosts;
 pub use kernel::{Boundary, flux_boundary};
+pub(crate) use sides::outward;
 pub use sides::{SideFlux, Sides, add_jacobian, fill_sides};

@@ -88,7 +88,7 @@ pub fn fill_sides<G: Gas>(
 }
 
 /// Normal and speed of the boundary face (p, q), both outward, and its area.
-fn outward(block: &LevelBlock, face: Face, p: usize, q: usize) -> ([f64; 3], f64, f64) {
+pub(crate) fn outward(block: &LevelBlock, face: Face, p: usize, q: usize) -> ([f64; 3], f64, f64) {
     let set = &block.faces[face.axis()];
     let [i, j, k] = face.ijk(set.count, p, q, 0);
     let f = set.at(i, j, k);
