@@ -185,11 +185,11 @@ fn compare<G: Gas>(gas: &G, equations: &mut Equations) -> JacobianCheck {
             let at = range.start + m;
             let relative = (-product[at] - e.derivative[0]).abs() / largest;
             let of_residual = (residual[at] - e.value).abs() / largest_flux;
-            // Written so that a NaN is kept.
-            if !(of_residual <= worst.residual) {
+            // A NaN is kept: nothing is larger than it.
+            if of_residual.is_nan() || of_residual > worst.residual {
                 worst.residual = of_residual;
             }
-            if !(relative <= worst.relative) {
+            if relative.is_nan() || relative > worst.relative {
                 let cell = m / VARIABLES;
                 worst.relative = relative;
                 worst.block.clone_from(&block.name);

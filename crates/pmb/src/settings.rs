@@ -206,6 +206,30 @@ fn within(key: &'static str, value: f64, good: bool, needed: &'static str) -> Re
     }
 }
 
+/// A stream across the plane of a two-dimensional grid would be flow through its mirror planes.
+fn check_plane(level: &Level, stream: &State<f64>) -> Result<(), FlowError> {
+    const LARGEST: f64 = 1e-6;
+    let Some(block) = level.blocks.first().filter(|_| level.planar) else {
+        return Ok(());
+    };
+    let n = block.faces[2].unit(0);
+    let across = stream[1] * n[0] + stream[2] * n[1] + stream[3] * n[2];
+    if across.abs() <= LARGEST {
+        return Ok(());
+    }
+    Err(FlowError::Grid {
+        what: format!(
+            "the grid is two-dimensional and lies across the direction ({:.3}, {:.3}, {:.3}), along which the stream has {:.4} of its \
+             speed. The angle of attack turns the stream from x towards z, side-slip towards y: turn the grid into the x-z plane (y across), \
+             as for an aerofoil in a 2D Plot3D file",
+            n[0],
+            n[1],
+            n[2],
+            across.abs()
+        ),
+    })
+}
+
 impl SteadySettings {
     /// True if both describe the same discrete flow, whatever the method of solution: what a restart file must agree in.
     #[must_use]
@@ -291,9 +315,11 @@ impl SteadySettings {
     /// The boundary conditions of a level, in the order of its patches.
     ///
     /// # Errors
-    /// If a patch needs values that are not given, or a patch asks for a viscous wall.
+    /// If a patch needs values that are not given, a patch asks for a viscous wall, or the stream leaves the plane of a
+    /// two-dimensional grid.
     pub fn boundaries(&self, level: &Level) -> Result<Vec<Boundary>, FlowError> {
         let stream = self.flow.state();
+        check_plane(level, &stream)?;
         level
             .patches
             .iter()

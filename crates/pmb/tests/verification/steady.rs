@@ -353,6 +353,25 @@ fn a_restart_file_with_a_value_that_is_no_number_is_refused_with_the_cell() {
     }
 }
 
+#[test]
+fn a_stream_across_the_plane_of_the_grid_is_refused() {
+    // The aerofoil in the x-y plane, as many 2D grids are written: alpha turns the stream out of it.
+    let mut grid = naca0012(32);
+    for block in &mut grid.blocks {
+        for k in 0..=block.nk {
+            for j in 0..=block.nj {
+                for i in 0..=block.ni {
+                    let [x, y, z] = block.point(i, j, k);
+                    block.set_point([i, j, k], [x, z, -y]);
+                }
+            }
+        }
+    }
+    let error = run(&settings(0.5, 2.0), &grid, &mut Silent, &AtomicBool::new(false)).expect_err("a stream across");
+    assert!(error.to_string().contains("0.0349 of its speed"), "{error}");
+    assert!(run(&settings(0.5, 0.0), &grid, &mut Silent, &AtomicBool::new(false)).is_ok());
+}
+
 /// Couplings between blocks, and faces along which the undisturbed stream runs (where Osher's flux changes sides), included.
 #[test]
 fn the_jacobian_of_a_flow_is_the_derivative_of_its_residual() {
