@@ -69,6 +69,26 @@ fn a_point_is_not_extrapolated_from_runs_on_one_side() {
 }
 
 #[test]
+fn two_runs_far_apart_are_not_enough_where_the_slope_doubles_between_them() {
+    // Dampings of the AGARD wing at Mach 0.678: the line through the outer two crosses zero 2.3 % too low.
+    let agard = |rho: f64| {
+        let x = rho - 0.20821;
+        -0.0640 + 3.5 * x + 62.0 * x * x
+    };
+    let (end, runs) = search(0.20821, |rho| oscillation(agard(rho)));
+    let SearchStep::Found(found) = end else {
+        panic!("{end:?}")
+    };
+    let exact = 0.20821 + (-3.5 + (3.5_f64.powi(2) + 4.0 * 62.0 * 0.0640).sqrt()) / (2.0 * 62.0);
+    assert!((found.at / exact - 1.0).abs() < 0.005, "{found:?} {exact} {runs:?}");
+    assert!(
+        (found.at - exact).abs() < 2.5 * found.error,
+        "{found:?} {exact} {runs:?}"
+    );
+    assert!(runs.len() <= 4, "{runs:?}");
+}
+
+#[test]
 fn errors_of_the_dampings_widen_the_answer_and_cost_runs_but_do_not_mislead() {
     // Dampings off by a fixed pattern of one standard error.
     let sign = |rho: f64| {
