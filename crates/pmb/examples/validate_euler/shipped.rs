@@ -35,7 +35,6 @@ pub fn shipped(folder: &Path) -> Outcome<String> {
         ("naca64a010_unsteady_fine", &[(0.796, 0.0)]),
         ("thin_aerofoil_unsteady", &[(0.5, 0.5), (0.8, 0.0)]),
         ("thin_aerofoil_unsteady_fine", &[(0.5, 0.5)]),
-        ("thin_aerofoil_4_unsteady", &[(0.5, 0.5)]),
         ("rae2822_c_euler", &[(0.5, 2.0), (0.75, 3.0)]),
         // For viscous flow: what such a grid does to the residual of inviscid flow.
         ("rae2822_c", &[(0.5, 2.0), (0.75, 3.0)]),

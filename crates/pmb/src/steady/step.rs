@@ -10,17 +10,6 @@ use super::march::Run;
 use crate::error::FlowError;
 use crate::observer::Observer;
 
-/// Part of its right-hand side above which a linear system was not solved.
-const OUT_OF_REACH: f64 = 0.5;
-
-/// CFL number whose time term the preconditioner is given for a second attempt.
-///
-/// Where BILU(0) cannot be swept through every strong interface (one block whose halves touch along the wake cut), factors
-/// almost without a time term amplify errors there. Everywhere else they are the better ones: the wing like the F-5's
-/// needs 231 products at Mach 0.95 with them, 1,162 with the time term of CFL 1000; the NACA 64A010 in one block at Mach
-/// 0.85 needs 3,973 with them, 126 with that time term.
-const MODERATE_CFL: f64 = 1000.0;
-
 impl Run<'_> {
     /// One accepted step, or `None` if none could be found. Returns the linear solve, the part taken and its CFL number.
     pub(super) fn take_step(
@@ -106,17 +95,7 @@ impl Run<'_> {
             patience: 20,
             directions,
         };
-        let mut outcome = self.solver.solve(&gcg)?;
-        if outcome.reduction > OUT_OF_REACH && cfl > MODERATE_CFL {
-            self.solver.set_time_step(MODERATE_CFL);
-            self.solver.build()?;
-            self.solver.set_time_step(cfl);
-            let again = self.solver.solve(&gcg)?;
-            outcome = GcgOutcome {
-                iterations: outcome.iterations + again.iterations,
-                ..again
-            };
-        }
+        let outcome = self.solver.solve(&gcg)?;
         let part = self.solver.admissible(0.5);
         self.solver.advance(part);
         Ok((outcome, part))
@@ -133,7 +112,7 @@ impl Run<'_> {
         } else {
             growth
         };
-        let solvable = if outcome.reduction > OUT_OF_REACH { 0.25 } else { 1.0 };
+        let solvable = if outcome.reduction > 0.5 { 0.25 } else { 1.0 };
         self.cfl *= solvable
             * if part < 1.0 {
                 part.max(0.5)
@@ -141,7 +120,7 @@ impl Run<'_> {
                 (1.5 * ratio).clamp(0.5, growth)
             };
         // Where one was met lies a ceiling, lifted a little by every step that goes well.
-        if outcome.reduction > OUT_OF_REACH {
+        if outcome.reduction > 0.5 {
             self.ceiling = 0.5 * tried_cfl;
         } else {
             self.ceiling *= 1.5;
