@@ -296,7 +296,8 @@ impl Coupled {
         let most = self.flow.settings.max_iterations;
         let mut iterations = 0;
         loop {
-            if self.coupling == Coupling::Tight {
+            // The first exchange comes after the flow's first answer to the predicted position: before it there is nothing new.
+            if self.coupling == Coupling::Tight && (iterations > 0 || self.flow.is_converged()) {
                 exchange = self.exchange()?;
                 if exchange > self.exchange_tolerance {
                     self.place()?;
