@@ -172,7 +172,11 @@ fn a_patch_without_a_condition_is_named() {
     fs::write(case.path("grid.bc.toml"), tables.join("[[patch]]")).unwrap();
     case.run("pmb", &["steady", "steady.toml", "--out", "out"])
         .exits(2)
-        .says(&["imin: 24 of 24 face cells have no condition", "first (0, 0)", ".bc.toml"]);
+        .says(&[
+            "imin: 24 of 24 face cells have no condition",
+            "first (0, 0)",
+            ".bc.toml",
+        ]);
 }
 
 #[test]
