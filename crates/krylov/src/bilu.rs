@@ -319,7 +319,7 @@ fn factor_slab<const ND: usize, S: Storage>(
     let mut links = slab.before.iter().peekable();
     let diagonals = &blocks[slab.block].diagonal[slab.first * BLOCK..];
     walk(slab, false, |cell| {
-        let inverse = |n: usize, at: usize| match &others[n] {
+        let inverse = |n: usize, at: usize| match others[n].get() {
             Some(part) => &part[at * BLOCK..],
             None => &mine[at * BLOCK..],
         };
@@ -337,7 +337,7 @@ fn factor_slab<const ND: usize, S: Storage>(
 /// The cell's neighbour's five values, in the own slab or another one.
 #[inline(always)]
 fn values<'a, S>(mine: &'a [S], others: &'a Parts<'_, S>, slab: usize, cell: usize) -> &'a [S] {
-    match &others[slab] {
+    match others[slab].get() {
         Some(part) => &part[cell * VARIABLES..],
         None => &mine[cell * VARIABLES..],
     }

@@ -30,6 +30,7 @@ pub mod gcg;
 pub mod multilevel;
 mod order;
 mod storage;
+pub mod team;
 pub mod vector;
 
 pub use bilu::Bilu;

@@ -21,7 +21,7 @@ use crate::{BLOCK, Bilu, BlockMatrix, Coupling, KrylovError, Storage, Sweep, VAR
 pub struct LevelMatrix<S> {
     /// One matrix a block. The lower (upper) blocks of cells at the lower (upper) end of a direction hold the couplings.
     pub blocks: Vec<BlockMatrix<S>>,
-    /// Couplings between blocks, by block.
+    /// Couplings between blocks, by block and in the order of their cells.
     couplings: Vec<Vec<Coupling>>,
     /// First cell of each block, counted over all blocks.
     offsets: Vec<usize>,
@@ -44,6 +44,9 @@ impl<S: Storage> LevelMatrix<S> {
         for coupling in couplings {
             by_block[coupling.block as usize].push(coupling);
         }
+        for couplings in &mut by_block {
+            couplings.sort_by_key(|c| c.cell);
+        }
         Self {
             blocks: cells.iter().map(|c| BlockMatrix::zeros(*c)).collect(),
             couplings: by_block,
@@ -62,29 +65,38 @@ impl<S: Storage> LevelMatrix<S> {
     /// # Panics
     /// If a vector is not 5 entries a cell.
     pub fn residual<R: Storage>(&self, r: &[R], z: &[S], out: &mut [S]) {
+        // Cells of a piece of work: a few microseconds, so that no thread waits long for another one's last piece.
+        const CELLS: usize = 512;
         assert_eq!(r.len(), self.cell_count() * VARIABLES, "right-hand side of a level");
-        split(out, &self.blocks)
-            .into_par_iter()
-            .zip(&self.blocks)
-            .zip(&self.offsets)
-            .zip(&self.couplings)
-            .for_each(|(((out, matrix), offset), couplings)| {
-                let range = offset * VARIABLES..offset * VARIABLES + out.len();
-                matrix.subtract_product(&r[range.clone()], &z[range], out);
-                for c in couplings {
-                    let at = (c.cell as usize * matrix.directions() + c.direction as usize) * BLOCK;
-                    let block = if c.upper {
-                        &matrix.upper[at..]
-                    } else {
-                        &matrix.lower[at..]
-                    };
-                    let row = c.cell as usize * VARIABLES;
-                    let mut y = zero_lanes::<S>();
-                    y[..VARIABLES].copy_from_slice(&out[row..row + VARIABLES]);
-                    let y = multiply_subtract(block, &z[c.neighbour as usize * VARIABLES..], y);
-                    out[row..row + VARIABLES].copy_from_slice(&y[..VARIABLES]);
-                }
-            });
+        assert_eq!(z.len(), r.len(), "solution of a level");
+        let mut pieces = Vec::with_capacity(self.cell_count() / CELLS + self.blocks.len());
+        for (b, out) in split(out, &self.blocks).into_iter().enumerate() {
+            let row = self.blocks[b].cells()[0];
+            let rows = (CELLS / row).max(1);
+            let parts = out.chunks_mut(rows * row * VARIABLES).enumerate();
+            pieces.extend(parts.map(|(n, out)| (b, n * rows * row, out)));
+        }
+        pieces.into_par_iter().with_max_len(4).for_each(|(b, first, out)| {
+            let (matrix, offset) = (&self.blocks[b], self.offsets[b]);
+            let range = offset * VARIABLES..(offset + matrix.cell_count()) * VARIABLES;
+            matrix.subtract_product(first, &r[range.clone()], &z[range], out);
+            let couplings = &self.couplings[b];
+            let from = couplings.partition_point(|c| (c.cell as usize) < first);
+            let last = first + out.len() / VARIABLES;
+            for c in couplings[from..].iter().take_while(|c| (c.cell as usize) < last) {
+                let at = (c.cell as usize * matrix.directions() + c.direction as usize) * BLOCK;
+                let block = if c.upper {
+                    &matrix.upper[at..]
+                } else {
+                    &matrix.lower[at..]
+                };
+                let row = (c.cell as usize - first) * VARIABLES;
+                let mut y = zero_lanes::<S>();
+                y[..VARIABLES].copy_from_slice(&out[row..row + VARIABLES]);
+                let y = multiply_subtract(block, &z[c.neighbour as usize * VARIABLES..], y);
+                out[row..row + VARIABLES].copy_from_slice(&y[..VARIABLES]);
+            }
+        });
     }
 
     /// Sums the blocks of `fine` over the aggregates: `parents[fine cell]` is a cell of this level, both counted over all
@@ -92,43 +104,47 @@ impl<S: Storage> LevelMatrix<S> {
     /// same direction.
     fn aggregate(&mut self, fine: &Self, parents: &[u32]) {
         let offsets = &self.offsets;
-        self.blocks.par_iter_mut().enumerate().for_each(|(b, coarse)| {
-            coarse.clear();
-            let matrix = &fine.blocks[b];
-            let cells = matrix.cells();
-            let stride = [1, cells[0], cells[0] * cells[1]];
-            let nd = matrix.directions();
-            let parents = &parents[fine.offsets[b]..fine.offsets[b] + matrix.cell_count()];
-            let first = offsets[b] as u32;
-            let add = |to: &mut [S], from: &[S]| {
-                for (t, f) in to[..BLOCK].iter_mut().zip(from) {
-                    *t = *t + *f;
-                }
-            };
-            for cell in 0..matrix.cell_count() {
-                let here = [cell % cells[0], (cell / cells[0]) % cells[1], cell / stride[2]];
-                let parent = (parents[cell] - first) as usize;
-                add(&mut coarse.diagonal[parent * BLOCK..], &matrix.diagonal[cell * BLOCK..]);
-                for d in 0..nd {
-                    let at = (cell * nd + d) * BLOCK;
-                    let to = (parent * nd + d) * BLOCK;
-                    let inside_low = here[d] > 0 && parents[cell - stride[d]] == parents[cell];
-                    let inside_high = here[d] + 1 < cells[d] && parents[cell + stride[d]] == parents[cell];
-                    let lower = &matrix.lower[at..];
-                    let upper = &matrix.upper[at..];
-                    if inside_low {
-                        add(&mut coarse.diagonal[parent * BLOCK..], lower);
-                    } else {
-                        add(&mut coarse.lower[to..], lower);
+        self.blocks
+            .par_iter_mut()
+            .enumerate()
+            .with_max_len(1)
+            .for_each(|(b, coarse)| {
+                coarse.clear();
+                let matrix = &fine.blocks[b];
+                let cells = matrix.cells();
+                let stride = [1, cells[0], cells[0] * cells[1]];
+                let nd = matrix.directions();
+                let parents = &parents[fine.offsets[b]..fine.offsets[b] + matrix.cell_count()];
+                let first = offsets[b] as u32;
+                let add = |to: &mut [S], from: &[S]| {
+                    for (t, f) in to[..BLOCK].iter_mut().zip(from) {
+                        *t = *t + *f;
                     }
-                    if inside_high {
-                        add(&mut coarse.diagonal[parent * BLOCK..], upper);
-                    } else {
-                        add(&mut coarse.upper[to..], upper);
+                };
+                for cell in 0..matrix.cell_count() {
+                    let here = [cell % cells[0], (cell / cells[0]) % cells[1], cell / stride[2]];
+                    let parent = (parents[cell] - first) as usize;
+                    add(&mut coarse.diagonal[parent * BLOCK..], &matrix.diagonal[cell * BLOCK..]);
+                    for d in 0..nd {
+                        let at = (cell * nd + d) * BLOCK;
+                        let to = (parent * nd + d) * BLOCK;
+                        let inside_low = here[d] > 0 && parents[cell - stride[d]] == parents[cell];
+                        let inside_high = here[d] + 1 < cells[d] && parents[cell + stride[d]] == parents[cell];
+                        let lower = &matrix.lower[at..];
+                        let upper = &matrix.upper[at..];
+                        if inside_low {
+                            add(&mut coarse.diagonal[parent * BLOCK..], lower);
+                        } else {
+                            add(&mut coarse.lower[to..], lower);
+                        }
+                        if inside_high {
+                            add(&mut coarse.diagonal[parent * BLOCK..], upper);
+                        } else {
+                            add(&mut coarse.upper[to..], upper);
+                        }
                     }
                 }
-            }
-        });
+            });
     }
 }
 
@@ -281,6 +297,7 @@ fn cycle<S: Storage, R: Storage>(levels: &mut [CycleLevel<S>], r: &[R], z: &mut 
     split(&mut rhs, &coarse.blocks)
         .into_par_iter()
         .enumerate()
+        .with_max_len(1)
         .for_each(|(b, rhs)| {
             rhs.fill(S::default());
             let range = fine.offsets[b]..fine.offsets[b] + fine.blocks[b].cell_count();
@@ -316,46 +333,38 @@ fn cycle<S: Storage, R: Storage>(levels: &mut [CycleLevel<S>], r: &[R], z: &mut 
 }
 
 impl<S: Storage> BlockMatrix<S> {
-    /// `out = r - A x` inside the block, vectors `[cell][5]`.
-    ///
-    /// # Panics
-    /// If a vector is not 5 entries a cell.
-    pub fn subtract_product<R: Storage>(&self, r: &[R], x: &[S], out: &mut [S]) {
+    /// `out = r - A x` inside the block for the cells from `first` on, whole rows of them, as many as `out` has room for;
+    /// vectors `[cell][5]`, `r` and `x` of the whole block.
+    fn subtract_product<R: Storage>(&self, first: usize, r: &[R], x: &[S], out: &mut [S]) {
         match self.directions() {
-            2 => self.subtract_product_in::<2, R>(r, x, out),
-            _ => self.subtract_product_in::<3, R>(r, x, out),
+            2 => self.subtract_product_in::<2, R>(first, r, x, out),
+            _ => self.subtract_product_in::<3, R>(first, r, x, out),
         }
     }
 
-    fn subtract_product_in<const ND: usize, R: Storage>(&self, r: &[R], x: &[S], out: &mut [S]) {
+    fn subtract_product_in<const ND: usize, R: Storage>(&self, first: usize, r: &[R], x: &[S], out: &mut [S]) {
         const V: usize = VARIABLES;
         let cells = self.cells();
-        let [ni, nj, nk] = cells;
-        let n = self.cell_count() * V;
-        assert!(
-            r.len() == n && x.len() == n && out.len() == n,
-            "vectors of the block residual"
-        );
+        let [ni, nj, _] = cells;
         let stride = [1, ni, ni * nj];
-        let mut cell = 0;
-        for k in 0..nk {
-            for j in 0..nj {
-                for i in 0..ni {
-                    let here = [i, j, k];
-                    let mut sum = multiply_add(&self.diagonal[cell * BLOCK..], &x[cell * V..], zero_lanes());
-                    for d in 0..ND {
-                        let b = (cell * ND + d) * BLOCK;
-                        if here[d] > 0 {
-                            sum = multiply_add(&self.lower[b..], &x[(cell - stride[d]) * V..], sum);
-                        }
-                        if here[d] + 1 < cells[d] {
-                            sum = multiply_add(&self.upper[b..], &x[(cell + stride[d]) * V..], sum);
-                        }
+        for (row, out) in out.chunks_exact_mut(ni * V).enumerate() {
+            let row = first / ni + row;
+            let (j, k) = (row % nj, row / nj);
+            for (i, out) in out.chunks_exact_mut(V).enumerate() {
+                let cell = row * ni + i;
+                let here = [i, j, k];
+                let mut sum = multiply_add(&self.diagonal[cell * BLOCK..], &x[cell * V..], zero_lanes());
+                for d in 0..ND {
+                    let b = (cell * ND + d) * BLOCK;
+                    if here[d] > 0 {
+                        sum = multiply_add(&self.lower[b..], &x[(cell - stride[d]) * V..], sum);
                     }
-                    for v in 0..V {
-                        out[cell * V + v] = S::from_f64(r[cell * V + v].to_f64()) - sum[v];
+                    if here[d] + 1 < cells[d] {
+                        sum = multiply_add(&self.upper[b..], &x[(cell + stride[d]) * V..], sum);
                     }
-                    cell += 1;
+                }
+                for v in 0..V {
+                    out[v] = S::from_f64(r[cell * V + v].to_f64()) - sum[v];
                 }
             }
         }

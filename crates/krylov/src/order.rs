@@ -5,10 +5,11 @@
 //! towards the interface and the next one away from it.
 //!
 //! Blocks are cut into slabs of layers. A slab needs the one before it in its block and those of other blocks, earlier in
-//! the order, that it touches; slabs that need nothing of each other make a wave and run side by side. Every cell sees the
+//! the order, that it touches; slabs that need nothing of each other are worked on side by side. Every cell sees the
 //! same values whatever the number of threads.
 
-use rayon::prelude::*;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError};
 
 /// A coupling of an outermost cell of a block to a cell of another block (or to the other end of its own).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -77,6 +78,8 @@ pub(crate) struct Slab {
     pub(crate) before: Vec<Link>,
     /// Couplings to cells later in the order, in the opposite order.
     pub(crate) after: Vec<Link>,
+    /// Slabs that must be finished before it: in the order, and in the opposite one.
+    needs: [Vec<usize>; 2],
 }
 
 impl Slab {
@@ -95,16 +98,18 @@ impl Slab {
     }
 }
 
-/// What slabs other than one's own hold; none for those that are being worked on.
-pub(crate) type Parts<'a, T> = [Option<&'a mut [T]>];
+/// What finished slabs hold, by number; nothing of those that are still to be worked on, or are being worked on.
+pub(crate) type Parts<'a, T> = [OnceLock<&'a [T]>];
 
 /// The order of all cells.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Order {
     /// By block, layers ascending.
     pub(crate) slabs: Vec<Slab>,
-    /// Slabs that may be worked on side by side, wave after wave.
-    waves: Vec<Vec<usize>>,
+    /// Numbers of the slabs as they are begun: those that need nothing of each other stand side by side.
+    queue: Vec<usize>,
+    /// Most slabs that can be worked on side by side.
+    width: usize,
     pub(crate) cell_count: usize,
 }
 
@@ -165,16 +170,28 @@ impl Order {
             after.sort_by_key(|link| std::cmp::Reverse(slab.place(link.cell as usize)));
             (slab.before, slab.after) = (before, after);
         }
+        for slab in &mut slabs {
+            let others = |links: &[Link]| -> Vec<usize> { links.iter().map(|link| link.slab as usize).collect() };
+            slab.needs = [
+                distinct(slab.number, slab.previous, others(&slab.before)),
+                distinct(slab.number, slab.next, others(&slab.after)),
+            ];
+        }
         let waves = waves(&slabs, &sequence);
         Self {
+            width: waves.iter().map(Vec::len).max().unwrap_or(0),
+            queue: waves.concat(),
             slabs,
-            waves,
             cell_count: offset,
         }
     }
 
     /// Does `work` for every slab after those that it needs: in the order, or in the opposite one. `values` are cut into a
     /// part a slab; `width` is their number a cell.
+    ///
+    /// Every thread takes the next slab of the queue and waits until those that it needs are finished. They were taken
+    /// before by threads that are at work on them, so that the wait ends. Of several errors the first in the queue is
+    /// returned: all slabs before it have been taken, whatever the number of threads.
     pub(crate) fn run<T: Send + Sync, E: Send>(
         &self,
         backward: bool,
@@ -182,54 +199,115 @@ impl Order {
         mut values: &mut [T],
         work: impl Fn(&Slab, &mut [T], &Parts<'_, T>) -> Result<(), E> + Sync,
     ) -> Result<(), E> {
-        // Waking another thread takes as long as a few hundred cells.
-        const PARALLEL_FROM: usize = 4096;
-        let mut parts: Vec<Option<&mut [T]>> = self
+        // Handing work to another thread takes as long as some tens of cells.
+        const PARALLEL_FROM: usize = 300;
+        let todo: Vec<Mutex<Option<&mut [T]>>> = self
             .slabs
             .iter()
             .map(|slab| {
                 let (head, tail) = std::mem::take(&mut values).split_at_mut(slab.cell_count() * width);
                 values = tail;
-                Some(head)
+                Mutex::new(Some(head))
             })
             .collect();
-        let mut step = |wave: &[usize]| -> Result<(), E> {
-            if wave.len() == 1 || self.cell_count < PARALLEL_FROM {
-                for n in wave {
-                    if let Some(mine) = parts[*n].take() {
-                        work(&self.slabs[*n], mine, &parts)?;
-                        parts[*n] = Some(mine);
+        let done: Vec<OnceLock<&[T]>> = self.slabs.iter().map(|_| OnceLock::new()).collect();
+        let taken = AtomicUsize::new(0);
+        let stopped = AtomicBool::new(false);
+        let error: Mutex<Option<(usize, E)>> = Mutex::new(None);
+        let worker = || {
+            let _guard = StopOnPanic(&stopped);
+            loop {
+                let at = taken.fetch_add(1, Ordering::Relaxed);
+                if at >= self.queue.len() || stopped.load(Ordering::Relaxed) {
+                    return;
+                }
+                let n = self.queue[if backward { self.queue.len() - 1 - at } else { at }];
+                let slab = &self.slabs[n];
+                let needs = &slab.needs[usize::from(backward)];
+                if !needs.iter().all(|m| wait(&done[*m], &stopped)) {
+                    return;
+                }
+                let Some(mine) = lock(&todo[n]).take() else { return };
+                match work(slab, mine, &done) {
+                    Ok(()) => {
+                        let _: Result<(), _> = done[n].set(mine);
+                    }
+                    Err(e) => {
+                        let mut first = lock(&error);
+                        if first.as_ref().is_none_or(|(before, _)| at < *before) {
+                            *first = Some((at, e));
+                        }
+                        stopped.store(true, Ordering::Relaxed);
+                        return;
                     }
                 }
-                return Ok(());
             }
-            let mut active: Vec<(usize, &mut [T])> = wave
-                .iter()
-                .filter_map(|n| parts[*n].take().map(|mine| (*n, mine)))
-                .collect();
-            let results: Vec<Result<(), E>> = active
-                .par_iter_mut()
-                .with_max_len(1)
-                .map(|(n, mine)| work(&self.slabs[*n], mine, &parts))
-                .collect();
-            for (n, mine) in active {
-                parts[n] = Some(mine);
-            }
-            // The first in their order, whatever thread met one first.
-            results.into_iter().collect()
         };
-        if backward {
-            self.waves.iter().rev().try_for_each(|wave| step(wave))
+        let threads = if self.cell_count < PARALLEL_FROM {
+            1
         } else {
-            self.waves.iter().try_for_each(|wave| step(wave))
+            rayon::current_num_threads().min(self.width)
+        };
+        rayon::scope(|scope| {
+            for _ in 1..threads {
+                scope.spawn(|_| worker());
+            }
+            worker();
+        });
+        match error.into_inner().unwrap_or_else(PoisonError::into_inner) {
+            Some((_, e)) => Err(e),
+            None => Ok(()),
         }
     }
 }
 
+fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Keeps the other threads from waiting for a slab that will never be finished.
+struct StopOnPanic<'a>(&'a AtomicBool);
+
+impl Drop for StopOnPanic<'_> {
+    fn drop(&mut self) {
+        if std::thread::panicking() {
+            self.0.store(true, Ordering::Relaxed);
+        }
+    }
+}
+
+/// Waits for a slab; false if the work was stopped.
+fn wait<T>(part: &OnceLock<T>, stopped: &AtomicBool) -> bool {
+    // A slab takes some microseconds: going to sleep would take longer.
+    const SPINS: usize = 500;
+    let mut spins = 0;
+    while part.get().is_none() {
+        if stopped.load(Ordering::Relaxed) {
+            return false;
+        }
+        spins += 1;
+        if spins < SPINS {
+            std::hint::spin_loop();
+        } else {
+            std::thread::yield_now();
+        }
+    }
+    true
+}
+
+/// Slabs other than `own` of which it needs values.
+fn distinct(own: usize, neighbour: Option<usize>, mut others: Vec<usize>) -> Vec<usize> {
+    others.extend(neighbour);
+    others.retain(|n| *n != own);
+    others.sort_unstable();
+    others.dedup();
+    others
+}
+
 /// Cuts a block into slabs: enough of them that waves are wide, none so small that its start takes longer than its work.
 fn cut(block: usize, cells: [usize; 3], offset: usize, sweep: Sweep, slabs: &mut Vec<Slab>) {
-    const LEAST_CELLS: usize = 2000;
-    const MOST: usize = 16;
+    const LEAST_CELLS: usize = 400;
+    const MOST: usize = 64;
     let [ni, nj, nk] = cells;
     let (rows, layers, reversed) = if directions(cells) == 3 {
         (nj, nk, sweep.reversed)
@@ -254,6 +332,7 @@ fn cut(block: usize, cells: [usize; 3], offset: usize, sweep: Sweep, slabs: &mut
             next,
             before: Vec::new(),
             after: Vec::new(),
+            needs: [Vec::new(), Vec::new()],
         });
     }
 }
@@ -308,8 +387,7 @@ fn waves(slabs: &[Slab], sequence: &[usize]) -> Vec<Vec<usize>> {
     let mut waves: Vec<Vec<usize>> = Vec::new();
     for n in sequence {
         let slab = &slabs[*n];
-        let needed = slab.before.iter().map(|link| link.slab as usize).filter(|m| m != n);
-        depth[*n] = needed.chain(slab.previous).map(|m| depth[m] + 1).max().unwrap_or(0);
+        depth[*n] = slab.needs[0].iter().map(|m| depth[*m] + 1).max().unwrap_or(0);
         if waves.len() <= depth[*n] {
             waves.resize(depth[*n] + 1, Vec::new());
         }

@@ -16,6 +16,8 @@ const SUMS: usize = 16;
 const GROUP: usize = 4;
 /// Interleaved partial sums of each vector of a group.
 const GROUP_SUMS: usize = 8;
+/// Pieces that a thread takes at once at most: what others wait for it in the end is as long as they take.
+const MOST_PIECES: usize = 4;
 /// Below this length threads cost more than they bring.
 const PARALLEL_FROM: usize = 16 * PIECE;
 
@@ -35,7 +37,10 @@ fn sum_pieces<T: Send>(
         pieces.enumerate().for_each(|(n, (y, sums))| work(n, y, sums));
     } else {
         let pieces = y.par_chunks_mut(PIECE).zip(scratch.par_chunks_mut(width));
-        pieces.enumerate().for_each(|(n, (y, sums))| work(n, y, sums));
+        pieces
+            .enumerate()
+            .with_max_len(MOST_PIECES)
+            .for_each(|(n, (y, sums))| work(n, y, sums));
     }
     total.fill(0.0);
     for sums in scratch.chunks(width) {
@@ -240,6 +245,7 @@ pub fn store_and_step<S: Storage>(
         pairs
             .par_iter_mut()
             .enumerate()
+            .with_max_len(MOST_PIECES)
             .map(|(n, pair)| work(n, pair))
             .collect_into_vec(scratch);
     }

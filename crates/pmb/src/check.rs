@@ -207,7 +207,7 @@ fn differentiate<G: Gas>(gas: &G, equations: &Equations, direction: &[f64]) -> V
     let level = &equations.level;
     let mut along = equations.field.clone();
     along.load(level, direction);
-    along.exchange(level);
+    along.exchange(level, |_, _| ());
     let mut out = vec![Dual::<2>::splat(0.0); equations.len()];
     let mut add = |cell: usize, flux: &State<Dual<1>>, factor: f64| {
         for (o, f) in out[cell * VARIABLES..].iter_mut().zip(flux) {

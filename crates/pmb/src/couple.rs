@@ -185,22 +185,20 @@ impl Coupled {
     pub fn deform(rest: &Nodes, shapes: &[Nodes], q: &[f64], nodes: &mut Nodes) {
         use rayon::prelude::*;
         const PIECE: usize = 4096;
-        for (b, (to, rest)) in nodes.blocks.iter_mut().zip(&rest.blocks).enumerate() {
+        let coordinates = nodes.blocks.par_iter_mut().zip(&rest.blocks).enumerate();
+        coordinates.with_max_len(1).for_each(|(b, (to, rest))| {
             for (d, (to, rest)) in to.iter_mut().zip(rest).enumerate() {
-                to.par_chunks_mut(PIECE)
-                    .zip(rest.par_chunks(PIECE))
-                    .enumerate()
-                    .for_each(|(piece, (to, rest))| {
-                        to.copy_from_slice(rest);
-                        for (shape, q) in shapes.iter().zip(q) {
-                            let shape = &shape.blocks[b][d][piece * PIECE..];
-                            for (to, s) in to.iter_mut().zip(shape) {
-                                *to += q * s;
-                            }
+                for (piece, (to, rest)) in to.chunks_mut(PIECE).zip(rest.chunks(PIECE)).enumerate() {
+                    to.copy_from_slice(rest);
+                    for (shape, q) in shapes.iter().zip(q) {
+                        let shape = &shape.blocks[b][d][piece * PIECE..];
+                        for (to, s) in to.iter_mut().zip(shape) {
+                            *to += q * s;
                         }
-                    });
+                    }
+                }
             }
-        }
+        });
     }
 
     /// Generalized forces of the flow as it is, `[mode]`, N m for shapes that are in metres: sum over the wall's faces of pressure times area
@@ -283,6 +281,10 @@ impl Coupled {
     /// # Errors
     /// A folded cell, an impossible flow or force.
     pub fn advance(&mut self) -> Result<CoupledStep, FlowError> {
+        dip_krylov::team::awake(|| self.advance_here())
+    }
+
+    fn advance_here(&mut self) -> Result<CoupledStep, FlowError> {
         let before = self.structure.integrator.state().clone();
         self.flow.begin_step();
         let guess = match self.coupling {

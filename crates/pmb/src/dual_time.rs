@@ -7,17 +7,18 @@
 //! preconditioner of the first-order Jacobian, which is kept over pseudo steps and real steps until GCG slows down.
 
 mod kept;
+mod old;
 
 use dip_grid::MultiBlock;
-use dip_krylov::{GcgSettings, vector};
-use rayon::prelude::*;
+use dip_krylov::{GcgSettings, team, vector};
 use serde::{Deserialize, Serialize};
 
 use crate::error::FlowError;
-use crate::gas::{Diatomic, Gas, Perfect, VARIABLES, conservative};
+use crate::gas::VARIABLES;
 use crate::moving::{Backward, MovingGrid, Nodes, Swept};
 use crate::secant::Secants;
 use crate::solver::{Inertia, Solver};
+use old::OldLevels;
 
 /// Backward difference in real time.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -105,8 +106,7 @@ pub struct DualTime {
     secants: Secants,
     /// Right-hand side at the beginning of the step.
     start_rhs: Vec<f64>,
-    /// Volumes at the same levels.
-    volumes: [Vec<f64>; 3],
+    old_levels: OldLevels,
     backward: Backward,
     wear: Wear,
     /// Residual norm that orders are counted from.
@@ -152,7 +152,7 @@ impl DualTime {
             grid: moving,
             settings,
             step: 0,
-            volumes: [0, 1, 2].map(|_| vec![0.0; cells]),
+            old_levels: OldLevels::zeros(cells),
             backward: Backward::first(settings.dt),
             wear: Wear::default(),
             reference: 0.0,
@@ -174,16 +174,18 @@ impl DualTime {
     /// # Errors
     /// A cell without volume or with an impossible flow. A step that does not converge is not an error: its outcome
     /// says so.
-    pub fn advance(&mut self, place: impl FnOnce(&mut Nodes)) -> Result<StepOutcome, FlowError> {
-        self.begin_step();
-        self.place(place)?;
-        self.guess();
-        while !self.is_converged() && self.outcome.iterations < self.settings.max_iterations {
-            if !self.iterate()? {
-                break;
+    pub fn advance(&mut self, place: impl FnOnce(&mut Nodes) + Send) -> Result<StepOutcome, FlowError> {
+        team::awake(|| {
+            self.begin_step();
+            self.place(place)?;
+            self.guess();
+            while !self.is_converged() && self.outcome.iterations < self.settings.max_iterations {
+                if !self.iterate()? {
+                    break;
+                }
             }
-        }
-        self.finish_step()
+            self.finish_step()
+        })
     }
 
     /// Moves on to the next time level: what was new is old.
@@ -198,6 +200,7 @@ impl DualTime {
             _ => Backward::first(self.settings.dt),
         };
         self.outcome = StepOutcome::default();
+        self.set_old_levels();
     }
 
     /// Moves the nodes of the new time level and computes metrics, face speeds and what the old levels contribute. May be
@@ -209,51 +212,8 @@ impl DualTime {
     pub fn place(&mut self, place: impl FnOnce(&mut Nodes)) -> Result<(), FlowError> {
         place(&mut self.grid.now);
         self.grid.update(&mut self.solver.equations.level, &self.backward)?;
-        if self.solver.equations.scheme.gamma == 1.4 {
-            self.set_inertia(&Diatomic);
-        } else {
-            let gamma = self.solver.equations.scheme.gamma;
-            self.set_inertia(&Perfect { gamma });
-        }
+        self.set_inertia();
         Ok(())
-    }
-
-    /// rate = a0 V/dt, source = (a1 Q V|n + a2 Q V|n-1 + a3 Q V|n-2)/dt
-    fn set_inertia(&mut self, gas: &impl Gas) {
-        let level = &self.solver.equations.level;
-        self.grid.old_volumes(level, &mut self.volumes);
-        let Some(inertia) = &mut self.solver.inertia else {
-            return;
-        };
-        let Backward { a, dt } = self.backward;
-        let mut rest = &mut inertia.rate[..];
-        for block in &level.blocks {
-            let (head, tail) = rest.split_at_mut(block.volume.len());
-            for (rate, volume) in head.iter_mut().zip(&block.volume) {
-                *rate = a[0] / dt * volume;
-            }
-            rest = tail;
-        }
-        const PIECE: usize = 512;
-        let levels = self.backward.levels();
-        inertia
-            .source
-            .par_chunks_mut(PIECE * VARIABLES)
-            .enumerate()
-            .for_each(|(piece, source)| {
-                for (n, s) in source.chunks_exact_mut(VARIABLES).enumerate() {
-                    let cell = piece * PIECE + n;
-                    s.fill(0.0);
-                    for level in 0..levels {
-                        let w = &self.history[level][VARIABLES * cell..][..VARIABLES];
-                        let q = conservative(gas, &[w[0], w[1], w[2], w[3], w[4]]);
-                        let factor = a[1 + level] / dt * self.volumes[level][cell];
-                        for v in 0..VARIABLES {
-                            s[v] += factor * q[v];
-                        }
-                    }
-                }
-            });
     }
 
     /// Starts the step from the old flow, changed by what the last steps teach where that brings the residual down.

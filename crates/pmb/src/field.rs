@@ -11,6 +11,8 @@ use crate::level::Level;
 pub struct Field {
     /// One array a block.
     pub blocks: Vec<Vec<f64>>,
+    /// States on their way from block to block, `[block][ghost][variable]`; kept so that no exchange allocates.
+    gathered: Vec<Vec<f64>>,
 }
 
 impl Field {
@@ -28,7 +30,8 @@ impl Field {
                 w
             })
             .collect();
-        Self { blocks }
+        let gathered = vec![Vec::new(); level.blocks.len()];
+        Self { blocks, gathered }
     }
 
     /// State of a cell at its place in the block.
@@ -62,55 +65,59 @@ impl Field {
 
     /// Sets the cells to `base + factor * direction`, both `[cell][variable]`; ghosts are left as they are.
     pub fn combine(&mut self, level: &Level, base: &[f64], factor: f64, direction: &[impl dip_krylov::Storage]) {
-        self.blocks.par_iter_mut().zip(&level.blocks).for_each(|(w, block)| {
-            let [ni, nj, nk] = block.layout.cells;
-            let size = block.layout.size;
-            let mut n = block.offset * VARIABLES;
-            for k in 0..nk {
-                for j in 0..nj {
-                    let row = block.layout.at(0, j, k);
-                    let base = &base[n..n + ni * VARIABLES];
-                    let direction = &direction[n..n + ni * VARIABLES];
-                    for v in 0..VARIABLES {
-                        let w = &mut w[v * size + row..v * size + row + ni];
-                        for (i, w) in w.iter_mut().enumerate() {
-                            let m = i * VARIABLES + v;
-                            *w = if factor == 0.0 {
-                                base[m]
-                            } else {
-                                base[m] + factor * direction[m].to_f64()
-                            };
+        self.blocks
+            .par_iter_mut()
+            .zip(&level.blocks)
+            .with_max_len(1)
+            .for_each(|(w, block)| {
+                let [ni, nj, nk] = block.layout.cells;
+                let size = block.layout.size;
+                let mut n = block.offset * VARIABLES;
+                for k in 0..nk {
+                    for j in 0..nj {
+                        let row = block.layout.at(0, j, k);
+                        let base = &base[n..n + ni * VARIABLES];
+                        let direction = &direction[n..n + ni * VARIABLES];
+                        for v in 0..VARIABLES {
+                            let w = &mut w[v * size + row..v * size + row + ni];
+                            for (i, w) in w.iter_mut().enumerate() {
+                                let m = i * VARIABLES + v;
+                                *w = if factor == 0.0 {
+                                    base[m]
+                                } else {
+                                    base[m] + factor * direction[m].to_f64()
+                                };
+                            }
                         }
+                        n += ni * VARIABLES;
                     }
-                    n += ni * VARIABLES;
                 }
-            }
-        });
+            });
     }
 
-    /// Fills the ghost cells on interfaces from the cells they copy.
-    pub fn exchange(&mut self, level: &Level) {
+    /// Fills the ghost cells on interfaces from the cells they copy, then does `finish` for every block and its array.
+    pub fn exchange(&mut self, level: &Level, finish: impl Fn(usize, &mut [f64]) + Sync) {
+        let Self { blocks, gathered } = self;
         // Gathered first, written after: no block is read while it is written, whatever the order.
-        let gathered: Vec<Vec<f64>> = level
-            .links
-            .par_iter()
-            .map(|links| {
-                let mut values = Vec::with_capacity(links.len() * VARIABLES);
+        gathered
+            .par_iter_mut()
+            .zip(&level.links)
+            .with_max_len(1)
+            .for_each(|(values, links)| {
+                values.clear();
                 for link in links {
                     let size = level.blocks[link.block as usize].layout.size;
-                    let w = &self.blocks[link.block as usize];
-                    values.extend_from_slice(&state_at(w, size, link.cell as usize));
+                    values.extend_from_slice(&state_at(&blocks[link.block as usize], size, link.cell as usize));
                 }
-                values
-            })
-            .collect();
-        self.blocks.par_iter_mut().enumerate().for_each(|(b, w)| {
+            });
+        blocks.par_iter_mut().enumerate().with_max_len(1).for_each(|(b, w)| {
             let size = level.blocks[b].layout.size;
             for (link, state) in level.links[b].iter().zip(gathered[b].chunks_exact(VARIABLES)) {
                 for (v, value) in state.iter().enumerate() {
                     w[v * size + link.ghost as usize] = *value;
                 }
             }
+            finish(b, w);
         });
     }
 }

@@ -46,7 +46,7 @@ pub fn jacobian<G: Gas, S: Storage>(
             ));
         }
     }
-    work.into_par_iter().for_each(|(slab, nd, mut arrays)| {
+    work.into_par_iter().with_max_len(1).for_each(|(slab, nd, mut arrays)| {
         arrays.diagonal.fill(S::default());
         let faces = Faces {
             gas,
@@ -303,26 +303,30 @@ pub fn add_time<G: Gas, S: Storage>(
     factor: &[f64],
     matrices: &mut [BlockMatrix<S>],
 ) {
-    matrices.par_iter_mut().enumerate().for_each(|(b, matrix)| {
-        let block = &level.blocks[b];
-        let [ni, nj, nk] = block.layout.cells;
-        let mut cell = 0;
-        for k in 0..nk {
-            for j in 0..nj {
-                for i in 0..ni {
-                    let s = state_at(&field.blocks[b], block.layout.size, block.layout.at(i, j, k));
-                    let gradient = conservative_gradient(gas, &s);
-                    let f = factor[block.offset + cell];
-                    let diagonal = matrix.diagonal_mut(cell);
-                    for (r, row) in gradient.iter().enumerate() {
-                        for (c, g) in row.iter().enumerate() {
-                            let e = &mut diagonal[r + VARIABLES * c];
-                            *e = *e + S::from_f64(f * g);
+    matrices
+        .par_iter_mut()
+        .enumerate()
+        .with_max_len(1)
+        .for_each(|(b, matrix)| {
+            let block = &level.blocks[b];
+            let [ni, nj, nk] = block.layout.cells;
+            let mut cell = 0;
+            for k in 0..nk {
+                for j in 0..nj {
+                    for i in 0..ni {
+                        let s = state_at(&field.blocks[b], block.layout.size, block.layout.at(i, j, k));
+                        let gradient = conservative_gradient(gas, &s);
+                        let f = factor[block.offset + cell];
+                        let diagonal = matrix.diagonal_mut(cell);
+                        for (r, row) in gradient.iter().enumerate() {
+                            for (c, g) in row.iter().enumerate() {
+                                let e = &mut diagonal[r + VARIABLES * c];
+                                *e = *e + S::from_f64(f * g);
+                            }
                         }
+                        cell += 1;
                     }
-                    cell += 1;
                 }
             }
-        }
-    });
+        });
 }

@@ -15,7 +15,7 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use crate::error::FlowError;
-use crate::level::Level;
+use crate::level::{Level, LevelBlock};
 use crate::real::{LANES, Lanes, Packed, Real};
 
 /// Node coordinates of one block: x, y, z, each `[k][j][i]` over the nodes.
@@ -162,28 +162,40 @@ impl MovingGrid {
     /// [`FlowError::Volume`] names the first cell whose volume is not positive.
     pub fn update(&mut self, level: &mut Level, backward: &Backward) -> Result<(), FlowError> {
         let planar = level.planar;
-        for (b, block) in level.blocks.iter_mut().enumerate() {
-            let cells = block.layout.cells;
-            let place = Place {
-                cells,
-                now: &self.now.blocks[b],
-                old: &self.old.blocks[b],
-                sign: self.signs[b],
-                backward,
-            };
-            for d in 0..3 {
-                let still = planar && d == 2;
-                place.faces(
-                    d,
-                    still,
-                    &mut block.faces[d],
-                    [&self.swept_old[b][d], &self.swept_older[b][d]],
-                    &mut self.swept[b][d],
-                );
-            }
-            place.volumes(&mut block.volume);
-            if let Some(cell) = block.volume.iter().position(|v| !(*v > 0.0 && v.is_finite())) {
-                let [ni, nj, _] = cells;
+        let Self {
+            now,
+            old,
+            swept,
+            swept_old,
+            swept_older,
+            signs,
+        } = self;
+        let folded = level
+            .blocks
+            .par_iter_mut()
+            .zip(swept)
+            .enumerate()
+            .with_max_len(1)
+            .map(|(b, (block, swept))| {
+                let place = Place {
+                    cells: block.layout.cells,
+                    now: &now.blocks[b],
+                    old: &old.blocks[b],
+                    sign: signs[b],
+                    backward,
+                };
+                for (d, swept) in swept.iter_mut().enumerate() {
+                    let still = planar && d == 2;
+                    let before = [&swept_old[b][d][..], &swept_older[b][d]];
+                    place.faces(d, still, &mut block.faces[d], before, swept);
+                }
+                place.volumes(&mut block.volume);
+                block.volume.iter().position(|v| !(*v > 0.0 && v.is_finite()))
+            });
+        let folded: Vec<Option<usize>> = folded.collect();
+        for (block, cell) in level.blocks.iter().zip(folded) {
+            if let Some(cell) = cell {
+                let [ni, nj, _] = block.layout.cells;
                 return Err(FlowError::Volume {
                     block: block.name.clone(),
                     ijk: [cell % ni, (cell / ni) % nj, cell / (ni * nj)],
@@ -193,40 +205,19 @@ impl MovingGrid {
         }
         Ok(())
     }
+}
 
-    /// Volumes at the three time levels before, newest first: the new volume less what was swept since, step by step. Cells of
-    /// the whole level in order.
-    pub fn old_volumes(&self, level: &Level, [old, older, oldest]: &mut [Vec<f64>; 3]) {
-        for (b, block) in level.blocks.iter().enumerate() {
-            let [ni, nj, nk] = block.layout.cells;
-            let n = block.offset..block.offset + ni * nj * nk;
-            old[n.clone()]
-                .par_chunks_mut(ni)
-                .zip(older[n.clone()].par_chunks_mut(ni))
-                .zip(oldest[n].par_chunks_mut(ni))
-                .zip(block.volume.par_chunks(ni))
-                .with_min_len(16)
-                .enumerate()
-                .for_each(|(row, (((old, older), oldest), volume))| {
-                    let (j, k) = (row % nj, row / nj);
-                    let first = [0, 1, 2].map(|d| block.faces[d].at(0, j, k));
-                    let step = [1, ni, ni * nj];
-                    for i in 0..ni {
-                        let sum = |swept: &Swept| {
-                            let mut total = 0.0;
-                            for d in 0..3 {
-                                let f = first[d] + i;
-                                total += swept[d][f + step[d]] - swept[d][f];
-                            }
-                            total
-                        };
-                        old[i] = volume[i] - sum(&self.swept[b]);
-                        older[i] = old[i] - sum(&self.swept_old[b]);
-                        oldest[i] = older[i] - sum(&self.swept_older[b]);
-                    }
-                });
-        }
+/// Volume that the faces of cell `n` of a block swept outwards: by how much it grew.
+#[inline(always)]
+pub(crate) fn growth(block: &LevelBlock, swept: &Swept, [i, j, k]: [usize; 3]) -> f64 {
+    let [ni, nj, _] = block.layout.cells;
+    let step = [1, ni, ni * nj];
+    let mut total = 0.0;
+    for d in 0..3 {
+        let f = block.faces[d].at(i, j, k);
+        total += swept[d][f + step[d]] - swept[d][f];
     }
+    total
 }
 
 /// One block at two time levels.

@@ -21,10 +21,24 @@ pub(crate) const SLAB: [usize; 2] = [7, 16];
 
 /// Computes `out = R`, `[cell][variable]` over the level. Ghost cells and boundary fluxes must be up to date.
 pub fn residual<G: Gas>(gas: &G, level: &Level, scheme: &Scheme, field: &Field, sides: &Sides, out: &mut [f64]) {
+    residual_then(gas, level, scheme, field, sides, out, &|_, _| ());
+}
+
+/// [`residual`], and then `finish` for each piece of it while it is still in the cache: the number of its first cell and its
+/// values.
+pub fn residual_then<G: Gas>(
+    gas: &G,
+    level: &Level,
+    scheme: &Scheme,
+    field: &Field,
+    sides: &Sides,
+    out: &mut [f64],
+    finish: &(impl Fn(usize, &mut [f64]) + Sync),
+) {
     match scheme.reconstruction {
-        Reconstruction::Constant => residual_as::<G, 0>(gas, level, scheme, field, sides, out),
-        Reconstruction::Unlimited => residual_as::<G, 1>(gas, level, scheme, field, sides, out),
-        Reconstruction::VanAlbada => residual_as::<G, 2>(gas, level, scheme, field, sides, out),
+        Reconstruction::Constant => residual_as::<G, 0>(gas, level, scheme, field, sides, out, finish),
+        Reconstruction::Unlimited => residual_as::<G, 1>(gas, level, scheme, field, sides, out, finish),
+        Reconstruction::VanAlbada => residual_as::<G, 2>(gas, level, scheme, field, sides, out, finish),
     }
 }
 
@@ -65,6 +79,7 @@ fn residual_as<G: Gas, const ORDER: u8>(
     field: &Field,
     sides: &Sides,
     out: &mut [f64],
+    finish: &(impl Fn(usize, &mut [f64]) + Sync),
 ) {
     let mut work = Vec::new();
     let mut rest = out;
@@ -76,7 +91,7 @@ fn residual_as<G: Gas, const ORDER: u8>(
             work.push((slab, head));
         }
     }
-    work.into_par_iter().for_each(|(slab, out)| {
+    work.into_par_iter().with_max_len(1).for_each(|(slab, out)| {
         let rows = Rows::<G, ORDER> {
             gas,
             block: &level.blocks[slab.block],
@@ -85,6 +100,8 @@ fn residual_as<G: Gas, const ORDER: u8>(
             scheme,
         };
         rows.residual(&slab, out);
+        let block = &level.blocks[slab.block];
+        finish(block.offset + slab.from * layer_cells(&block.layout), out);
     });
 }
 

@@ -1,6 +1,6 @@
 //! BILU(0) over several blocks: what the cut of a grid into blocks, their order and their sweeps change, and what not.
 
-use dip_krylov::{BLOCK, Bilu, BlockMatrix, Coupling, Direction, Storage, Sweep, VARIABLES};
+use dip_krylov::{BLOCK, Bilu, BlockMatrix, Coupling, Direction, KrylovError, Storage, Sweep, VARIABLES};
 
 use super::{matrix, random_vector};
 
@@ -268,7 +268,7 @@ fn a_line_through_a_cut_is_solved_exactly_by_sweeps_that_go_through() {
 }
 
 #[test]
-fn waves_of_slabs_give_the_same_bits_for_any_number_of_threads() {
+fn slabs_give_the_same_bits_for_any_number_of_threads() {
     let whole = [40, 30, 20];
     let cut = Cut::new(whole, [20, 15, 0]);
     let blocks = cut.matrices(&matrix::<f32>(whole, 5.0));
@@ -298,5 +298,35 @@ fn waves_of_slabs_give_the_same_bits_for_any_number_of_threads() {
             one.iter().zip(&run(threads)).all(|(a, b)| a.to_bits() == b.to_bits()),
             "{threads} threads"
         );
+    }
+}
+
+#[test]
+fn the_first_singular_block_in_the_order_is_named_for_any_number_of_threads() {
+    let whole = [40, 30, 20];
+    let cut = Cut::new(whole, [20, 15, 0]);
+    let mut blocks = cut.matrices(&matrix::<f64>(whole, 5.0));
+    // Two blocks that threads meet side by side, a layer that others wait for among them.
+    for (block, cell) in [(0, 1203), (1, 2045), (2, 4000)] {
+        blocks[block].diagonal_mut(cell).fill(f64::NAN);
+    }
+    let named = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new()
+            .num_threads(threads)
+            .build()
+            .expect("a thread pool");
+        pool.install(|| {
+            let mut f = Bilu::over(&cut.cells, &cut.couplings(), &[]);
+            match f.factor(&blocks) {
+                Err(KrylovError::SingularBlock { ijk, .. }) => ijk,
+                other => panic!("{other:?}"),
+            }
+        })
+    };
+    let one = named(1);
+    for threads in [2, 3, 5] {
+        for _ in 0..20 {
+            assert_eq!(named(threads), one, "{threads} threads");
+        }
     }
 }

@@ -1,6 +1,7 @@
 //! Exact properties of the block matrix, BILU(0) and GCG.
 
 mod blocks;
+mod team;
 
 use dip_krylov::dense::{SPARE, invert};
 use dip_krylov::{

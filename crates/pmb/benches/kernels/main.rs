@@ -44,8 +44,9 @@ fn residual(bencher: Bencher, scheme: &str) {
 fn boundary(bencher: Bencher) {
     let mut e = solver().equations;
     bencher.counter(cells()).bench_local(|| {
-        e.field.exchange(&e.level);
-        fill_ghosts(&e.level, &e.boundaries, &e.scheme, &mut e.field);
+        let (level, boundaries, scheme) = (&e.level, &e.boundaries, &e.scheme);
+        e.field
+            .exchange(level, |b, w| fill_ghosts(level, boundaries, scheme, b, w));
         fill_sides(&Diatomic, &e.level, &e.boundaries, &e.scheme, &e.field, &mut e.sides);
     });
 }

@@ -1,27 +1,24 @@
 //! Ghost cells at boundaries.
 
 use crate::boundary::Boundary;
-use crate::field::{Field, set_state, state_at};
+use crate::field::{set_state, state_at};
 use crate::gas::State;
 use crate::level::{Level, LevelBlock, LevelPatch};
 use crate::reconstruct::{Reconstruction, guarded, slope_van_albada};
 use crate::scheme::Scheme;
-use rayon::prelude::*;
 
-/// Fills the ghost cells behind every boundary patch from the cells of its own block.
+/// Fills the ghost cells behind every boundary patch of block `b`, whose array is `w`, from the block's own cells.
 ///
 /// A mirror plane mirrors; a far field holds the free stream; elsewhere the cells are extrapolated along the grid line
 /// with the limited slope of the second cell, so that the reconstruction in the first cell is one-sided and second
 /// order on a curved wall too.
-pub fn fill_ghosts(level: &Level, boundaries: &[Boundary], scheme: &Scheme, field: &mut Field) {
-    field.blocks.par_iter_mut().enumerate().for_each(|(b, w)| {
-        let block = &level.blocks[b];
-        for (patch, boundary) in level.patches.iter().zip(boundaries) {
-            if patch.block == b && block.layout.ghosts[patch.face.axis()] > 0 {
-                fill_patch(block, patch, boundary, scheme, w);
-            }
+pub fn fill_ghosts(level: &Level, boundaries: &[Boundary], scheme: &Scheme, b: usize, w: &mut [f64]) {
+    let block = &level.blocks[b];
+    for (patch, boundary) in level.patches.iter().zip(boundaries) {
+        if patch.block == b && block.layout.ghosts[patch.face.axis()] > 0 {
+            fill_patch(block, patch, boundary, scheme, w);
         }
-    });
+    }
 }
 
 fn fill_patch(block: &LevelBlock, patch: &LevelPatch, boundary: &Boundary, scheme: &Scheme, w: &mut [f64]) {

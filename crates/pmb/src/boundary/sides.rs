@@ -74,13 +74,16 @@ pub fn fill_sides<G: Gas>(
     field: &Field,
     sides: &mut Sides,
 ) {
-    sides.par_iter_mut().enumerate().for_each(|(b, sides)| {
+    // Side by side: blocks have boundaries of very different sizes.
+    let mut work: Vec<(usize, usize, &mut SideFlux)> = Vec::new();
+    for (b, sides) in sides.iter_mut().enumerate() {
+        let of_block = sides.iter_mut().enumerate();
+        work.extend(of_block.filter_map(|(face, side)| side.as_mut().map(|side| (b, face, side))));
+    }
+    work.into_par_iter().with_max_len(1).for_each(|(b, face, side)| {
         let block = &level.blocks[b];
         for (patch, boundary) in level.patches.iter().zip(boundaries) {
-            if patch.block != b || block.layout.ghosts[patch.face.axis()] == 0 {
-                continue;
-            }
-            if let Some(side) = &mut sides[patch.face as usize] {
+            if patch.block == b && patch.face as usize == face && block.layout.ghosts[patch.face.axis()] > 0 {
                 fill_patch(gas, block, patch, boundary, scheme, &field.blocks[b], side);
             }
         }
@@ -150,35 +153,39 @@ pub fn add_jacobian<G: Gas, S: Storage>(
     field: &Field,
     matrices: &mut [BlockMatrix<S>],
 ) {
-    matrices.par_iter_mut().enumerate().for_each(|(b, matrix)| {
-        let block = &level.blocks[b];
-        let layout = &block.layout;
-        for (patch, boundary) in level.patches.iter().zip(boundaries) {
-            if patch.block != b || layout.ghosts[patch.face.axis()] == 0 {
-                continue;
-            }
-            let mut index = 0;
-            for q in patch.window.lo[1]..patch.window.hi[1] {
-                for p in patch.window.lo[0]..patch.window.hi[0] {
-                    let state = state_at(&field.blocks[b], layout.size, layout.behind(patch.face, p, q, 0));
-                    let mut dual = [Dual::<VARIABLES>::variable(0.0, 0); VARIABLES];
-                    for v in 0..VARIABLES {
-                        dual[v] = Dual::variable(state[v], v);
-                    }
-                    let (n, speed, area) = outward(block, patch.face, p, q);
-                    let flux = flux_boundary(gas, boundary, index, &dual, &n, speed);
-                    let [i, j, k] = patch.face.ijk(layout.cells, p, q, 0);
-                    let cell = i + layout.cells[0] * (j + layout.cells[1] * k);
-                    let diagonal = &mut matrix.diagonal_mut(cell)[..BLOCK];
-                    for row in 0..VARIABLES {
-                        for column in 0..VARIABLES {
-                            let d = &mut diagonal[row + VARIABLES * column];
-                            *d = S::from_f64(d.to_f64() + area * flux[row].derivative[column]);
+    matrices
+        .par_iter_mut()
+        .enumerate()
+        .with_max_len(1)
+        .for_each(|(b, matrix)| {
+            let block = &level.blocks[b];
+            let layout = &block.layout;
+            for (patch, boundary) in level.patches.iter().zip(boundaries) {
+                if patch.block != b || layout.ghosts[patch.face.axis()] == 0 {
+                    continue;
+                }
+                let mut index = 0;
+                for q in patch.window.lo[1]..patch.window.hi[1] {
+                    for p in patch.window.lo[0]..patch.window.hi[0] {
+                        let state = state_at(&field.blocks[b], layout.size, layout.behind(patch.face, p, q, 0));
+                        let mut dual = [Dual::<VARIABLES>::variable(0.0, 0); VARIABLES];
+                        for v in 0..VARIABLES {
+                            dual[v] = Dual::variable(state[v], v);
                         }
+                        let (n, speed, area) = outward(block, patch.face, p, q);
+                        let flux = flux_boundary(gas, boundary, index, &dual, &n, speed);
+                        let [i, j, k] = patch.face.ijk(layout.cells, p, q, 0);
+                        let cell = i + layout.cells[0] * (j + layout.cells[1] * k);
+                        let diagonal = &mut matrix.diagonal_mut(cell)[..BLOCK];
+                        for row in 0..VARIABLES {
+                            for column in 0..VARIABLES {
+                                let d = &mut diagonal[row + VARIABLES * column];
+                                *d = S::from_f64(d.to_f64() + area * flux[row].derivative[column]);
+                            }
+                        }
+                        index += 1;
                     }
-                    index += 1;
                 }
             }
-        }
-    });
+        });
 }

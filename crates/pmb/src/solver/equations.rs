@@ -8,7 +8,7 @@ use crate::field::Field;
 use crate::gas::{Diatomic, Perfect, State, VARIABLES};
 use crate::jacobian::{add_time, jacobian};
 use crate::level::Level;
-use crate::residual::residual;
+use crate::residual::residual_then;
 use crate::scheme::Scheme;
 
 /// Calls `$body` with `$gas` of a type made for its ratio of specific heats.
@@ -86,11 +86,16 @@ impl Equations {
 
     /// The residual of another scheme for the same flow.
     pub fn residual_with(&mut self, scheme: &Scheme, out: &mut [f64]) {
+        self.residual_then(scheme, out, &|_, _| ());
+    }
+
+    /// The residual of a scheme, and then `finish` for each piece of it: the number of its first cell and its values.
+    pub fn residual_then(&mut self, scheme: &Scheme, out: &mut [f64], finish: &(impl Fn(usize, &mut [f64]) + Sync)) {
         with_gas!(scheme.gamma, gas => {
-            self.field.exchange(&self.level);
-            fill_ghosts(&self.level, &self.boundaries, scheme, &mut self.field);
+            let (level, boundaries) = (&self.level, &self.boundaries);
+            self.field.exchange(level, |b, w| fill_ghosts(level, boundaries, scheme, b, w));
             fill_sides(gas, &self.level, &self.boundaries, scheme, &self.field, &mut self.sides);
-            residual(gas, &self.level, scheme, &self.field, &self.sides, out);
+            residual_then(gas, &self.level, scheme, &self.field, &self.sides, out, finish);
         });
     }
 

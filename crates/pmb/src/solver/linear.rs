@@ -17,7 +17,6 @@ pub(super) struct Product<'a> {
     pub(super) residual: &'a [f64],
     pub(super) time: &'a [f64],
     pub(super) weight: Option<&'a [f64]>,
-    pub(super) perturbed: &'a mut [f64],
     pub(super) size: f64,
     /// Wall-clock seconds of the residuals.
     pub(super) seconds: f64,
@@ -37,32 +36,27 @@ impl LinearOperator<f32> for Product<'_> {
         self.equations
             .field
             .combine(&self.equations.level, self.unknowns, step, x);
-        self.equations.residual(self.perturbed);
-        self.seconds += begin.elapsed().as_secs_f64();
         let inverse = 1.0 / step;
-        let gamma = self.equations.scheme.gamma;
-        const PIECE: usize = VARIABLES * 512;
-        y.par_chunks_mut(PIECE)
-            .zip(self.perturbed.par_chunks(PIECE))
-            .zip(self.residual.par_chunks(PIECE))
-            .zip(x.par_chunks(PIECE))
-            .zip(self.unknowns.par_chunks(PIECE))
-            .zip(self.time.par_chunks(PIECE / VARIABLES))
-            .for_each(|(((((y, p), r), x), w), time)| {
-                for (n, t) in time.iter().enumerate() {
-                    let c = n * VARIABLES..(n + 1) * VARIABLES;
-                    let (y, p, r, x, w) = (&mut y[c.clone()], &p[c.clone()], &r[c.clone()], &x[c.clone()], &w[c]);
-                    let x: State<f64> = [0, 1, 2, 3, 4].map(|v| f64::from(x[v]));
-                    let state: State<f64> = [w[0], w[1], w[2], w[3], w[4]];
-                    let change = with_gas!(gamma, gas => time_change(gas, &state, &x));
-                    for v in 0..VARIABLES {
-                        y[v] = (p[v] - r[v]) * inverse + t * change[v];
-                    }
+        let scheme = self.equations.scheme;
+        let (w, r) = (self.unknowns, self.residual);
+        let (time, weight) = (self.time, self.weight);
+        self.equations.residual_then(&scheme, y, &|first, y| {
+            with_gas!(scheme.gamma, gas => for (n, y) in y.chunks_exact_mut(VARIABLES).enumerate() {
+                let cell = first + n;
+                let c = cell * VARIABLES..(cell + 1) * VARIABLES;
+                let (r, x, w) = (&r[c.clone()], &x[c.clone()], &w[c]);
+                let x: State<f64> = [0, 1, 2, 3, 4].map(|v| f64::from(x[v]));
+                let state: State<f64> = [w[0], w[1], w[2], w[3], w[4]];
+                let change = time_change(gas, &state, &x);
+                for v in 0..VARIABLES {
+                    y[v] = (y[v] - r[v]) * inverse + time[cell] * change[v];
+                }
+                if let Some(weight) = weight {
+                    y.iter_mut().for_each(|y| *y *= weight[cell]);
                 }
             });
-        if let Some(weight) = self.weight {
-            weigh(y, weight, |y, w| y * w);
-        }
+        });
+        self.seconds += begin.elapsed().as_secs_f64();
         Ok(())
     }
 }
@@ -74,19 +68,6 @@ fn time_change(gas: &impl Gas, w: &State<f64>, x: &State<f64>) -> State<f64> {
     gradient.map(|row| row.iter().zip(x).map(|(g, x)| g * x).sum())
 }
 
-/// Changes every equation of a cell by its weight.
-fn weigh(values: &mut [f64], weight: &[f64], change: impl Fn(f64, f64) -> f64 + Sync) {
-    const PIECE: usize = 512;
-    values
-        .par_chunks_mut(PIECE * VARIABLES)
-        .zip(weight.par_chunks(PIECE))
-        .for_each(|(values, weight)| {
-            for (cell, weight) in values.chunks_exact_mut(VARIABLES).zip(weight) {
-                cell.iter_mut().for_each(|v| *v = change(*v, *weight));
-            }
-        });
-}
-
 pub(super) struct Precondition<'a> {
     pub(super) preconditioner: &'a mut Multilevel<f32>,
     pub(super) weight: Option<&'a [f64]>,
@@ -96,9 +77,18 @@ pub(super) struct Precondition<'a> {
 impl Preconditioner<f32> for Precondition<'_> {
     fn solve(&mut self, r: &[f64], z: &mut [f32]) {
         if let Some(weight) = self.weight {
-            self.unweighted.clear();
-            self.unweighted.extend_from_slice(r);
-            weigh(self.unweighted, weight, |r, w| r / w);
+            const PIECE: usize = 512;
+            self.unweighted.resize(r.len(), 0.0);
+            self.unweighted
+                .par_chunks_mut(PIECE * VARIABLES)
+                .zip(r.par_chunks(PIECE * VARIABLES))
+                .zip(weight.par_chunks(PIECE))
+                .for_each(|((to, r), weight)| {
+                    let cells = to.chunks_exact_mut(VARIABLES).zip(r.chunks_exact(VARIABLES));
+                    for ((to, r), weight) in cells.zip(weight) {
+                        to.iter_mut().zip(r).for_each(|(to, r)| *to = r / weight);
+                    }
+                });
             self.preconditioner.solve(self.unweighted, z);
         } else {
             self.preconditioner.solve(r, z);

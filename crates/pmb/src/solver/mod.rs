@@ -40,7 +40,6 @@ pub struct Solver {
     preconditioner: Option<Multilevel<f32>>,
     gcg: Gcg<f32>,
     rhs: Vec<f64>,
-    perturbed: Vec<f64>,
     unweighted: Vec<f64>,
     /// Where its time has gone so far.
     pub seconds: SolverSeconds,
@@ -95,7 +94,6 @@ impl Solver {
             preconditioner: None,
             gcg: Gcg::new(),
             rhs: vec![0.0; n],
-            perturbed: vec![0.0; n],
             unweighted: Vec::new(),
             seconds: SolverSeconds::default(),
         }
@@ -249,7 +247,6 @@ impl Solver {
             residual: &self.residual,
             time: &self.time,
             weight: self.inertia.as_ref().map(|i| i.weight.as_slice()),
-            perturbed: &mut self.perturbed,
             size,
             seconds: 0.0,
         };
@@ -337,8 +334,7 @@ impl Solver {
             + self.step.len()
             + self.radii.len()
             + self.time.len()
-            + self.rhs.len()
-            + self.perturbed.len();
+            + self.rhs.len();
         8 * doubles + self.gcg.bytes() + self.preconditioner.as_ref().map_or(0, Multilevel::bytes)
     }
 }

@@ -22,7 +22,7 @@ impl Run<'_> {
         loop {
             let cfl = self.cfl;
             // On a thread of the pool: one outside of it would fall asleep and be woken at each of the thousands of loops.
-            let tried = rayon::scope(|_| self.try_step(cfl));
+            let tried = dip_krylov::team::awake(|| self.try_step(cfl));
             let (why, outcome, part) = match tried {
                 Ok((outcome, part)) => {
                     let new = self.solver.norm();
