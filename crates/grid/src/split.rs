@@ -111,6 +111,54 @@ pub fn split_into(grid: &mut MultiBlock, count: usize) {
     }
 }
 
+/// Cuts every block that meets itself across one of its own faces, as a C grid does along its wake, into one block on each
+/// side. The flow is the same; its solver sweeps each block from end to end and carries a wave through an interface where
+/// one block is swept towards it and the next away from it, which no sweep of a single block can do on both sides of its
+/// own cut. Returns the cuts: name of the block, its face, index direction and node.
+pub fn part_at_own_cuts(grid: &mut MultiBlock) -> Vec<(String, Face, usize, usize)> {
+    let mut cuts = Vec::new();
+    // The narrowest gap first: where others are wider the same cut serves them. A cut leaves fewer, so that this ends.
+    while let Some((block, face, axis, gap)) = grid
+        .topology
+        .interfaces
+        .iter()
+        .filter_map(own_cut)
+        .min_by_key(|(block, _, axis, [lo, hi])| (hi - lo, *block, *axis, *lo))
+    {
+        let at = middle(gap);
+        cuts.push((grid.blocks[block].name.clone(), face, axis, at));
+        split_block(grid, block, axis, at);
+    }
+    cuts
+}
+
+/// Block, face, index direction and the nodes between which a cut parts the two sides of an interface that joins a face to itself.
+fn own_cut(interface: &Interface) -> Option<(usize, Face, usize, [usize; 2])> {
+    let (a, b) = (interface.a, interface.b);
+    if (a.block, a.face) != (b.block, b.face) {
+        return None;
+    }
+    (0..2).find_map(|d| {
+        let [first, second] = if a.window.lo[d] < b.window.lo[d] {
+            [a, b]
+        } else {
+            [b, a]
+        };
+        let gap = [first.window.hi[d], second.window.lo[d]];
+        (gap[0] <= gap[1]).then(|| (a.block, a.face, a.face.directions()[d], gap))
+    })
+}
+
+/// Node near the middle of a gap, one that coarser levels have too where there is one.
+fn middle([lo, hi]: [usize; 2]) -> usize {
+    let centre = lo.midpoint(hi);
+    [8, 4, 2]
+        .into_iter()
+        .map(|step| centre / step * step)
+        .find(|at| (lo..=hi).contains(at))
+        .unwrap_or(centre)
+}
+
 fn divide(grid: &mut MultiBlock, block: usize, parts: usize, two_d: bool) {
     let cells = grid.blocks[block].cells();
     let weight = |axis: usize| cells[axis] * if axis == 1 { 1 } else { 3 };

@@ -2,12 +2,14 @@
 
 mod fits;
 
+use std::path::Path;
+
 use fits::assert_fits;
 
 use dip_grid::generate::{BoxGrid, box_grid};
 use dip_grid::metrics::{face_area, hexahedron_volume};
 use dip_grid::vector::{add, cross, dot, norm};
-use dip_grid::{Metrics, MultiBlock, Orientation, reorient, split};
+use dip_grid::{Face, Interface, Metrics, MultiBlock, Orientation, Side, Window, recipe, reorient, split};
 
 /// A fixed sequence of numbers in -1..1 (64-bit congruential generator, Knuth's constants).
 struct Noise(u64);
@@ -188,6 +190,59 @@ fn splitting_keeps_every_node_interface_and_patch() {
         names.sort();
         names.dedup();
         assert_eq!(names.len(), count);
+    }
+}
+
+#[test]
+fn a_c_grid_is_parted_at_its_wake_however_its_indices_run() {
+    let meets_itself = |grid: &MultiBlock| {
+        let same = |i: &&Interface| (i.a.block, i.a.face) == (i.b.block, i.b.face);
+        grid.topology.interfaces.iter().filter(same).count()
+    };
+    let c = recipe::make(Path::new("../../meshes/naca0012_c.toml")).expect("a shipped recipe");
+    let wing = BoxGrid::new([0.0; 3], [2.0, 1.0, 1.0], [12, 4, 6]).make();
+    for order in [[0, 1, 2], [1, 0, 2], [2, 0, 1], [1, 2, 0]] {
+        // A wing between wake and tip: joined to itself behind the trailing edge and, over all chords, beyond the tip.
+        let mut folded = wing.clone();
+        let side = |lo: [usize; 2], hi: [usize; 2]| Side {
+            block: 0,
+            face: Face::JMin,
+            window: Window::new(lo, hi),
+        };
+        folded.topology.patches.retain(|p| p.face != Face::JMin);
+        folded.topology.interfaces.clear();
+        for (a, b) in [
+            (side([0, 0], [4, 3]), side([8, 0], [12, 3])),
+            (side([0, 3], [6, 6]), side([6, 3], [12, 6])),
+        ] {
+            folded.topology.interfaces.push(Interface {
+                a,
+                b,
+                orientation: Orientation {
+                    reverse: [true, false],
+                    ..Orientation::default()
+                },
+                period: None,
+            });
+        }
+        for (whole, joints) in [(&c, 1), (&folded, 2)] {
+            let mut grid = whole.clone();
+            reorient::reorient(&mut grid, 0, order, [false, true, false]);
+            assert_eq!(meets_itself(&grid), joints);
+            let cuts = split::part_at_own_cuts(&mut grid);
+            assert_eq!(cuts.len(), 1, "{cuts:?}");
+            assert_eq!(meets_itself(&grid), 0);
+            assert_eq!(grid.cell_count(), whole.cell_count());
+            let faces =
+                |grid: &MultiBlock| -> usize { grid.topology.interfaces.iter().map(|i| i.a.window.count()).sum() };
+            let (_, _, axis, at) = &cuts[0];
+            let along = grid.blocks[0].cells()[*axis] + grid.blocks[1].cells()[*axis];
+            assert_eq!(*at, along / 2);
+            assert_eq!(faces(&grid), faces(whole) + whole.cell_count() / along);
+            if joints == 1 {
+                assert_fits(&grid);
+            }
+        }
     }
 }
 

@@ -100,9 +100,16 @@ pub fn from_case(document: &Document, table: &MeshTable) -> Result<Loaded, Stop>
         }
         scale(&mut grid, unit.0);
     }
+    let given = grid.blocks.len();
+    for (block, face, axis, at) in split::part_at_own_cuts(&mut grid) {
+        tracing::info!(
+            "block {block} meets itself across {face}: cut in two at {} = {at}, which the flow solver is quicker with",
+            ["i", "j", "k"][axis]
+        );
+    }
     if let Some(blocks) = table.blocks {
-        if blocks < grid.blocks.len() || blocks > 4096 {
-            let message = format!("{blocks} blocks: needed {} to 4096", grid.blocks.len());
+        if blocks < given || blocks > 4096 {
+            let message = format!("{blocks} blocks: needed {given} to 4096");
             let help = "the grid has that many blocks before it is split";
             return Err(document.error("mesh.blocks", message, help).into());
         }

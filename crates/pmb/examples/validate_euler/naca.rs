@@ -3,9 +3,9 @@
 use std::fs;
 use std::path::Path;
 
-use dip_grid::MultiBlock;
 use dip_grid::generate::{AerofoilGrid, AerofoilKind};
 use dip_grid::geometry::{Section, TrailingEdge};
+use dip_grid::{MultiBlock, split};
 use dip_pmb::settings::{FarField, Reference};
 use dip_report::{CpCut, cp_cuts};
 
@@ -13,7 +13,7 @@ use crate::{HEADER, Outcome, curve, settings, steady, write_history};
 
 fn naca0012(surface: usize) -> Outcome<MultiBlock> {
     let h = 128.0 / surface as f64;
-    Ok(AerofoilGrid {
+    let mut grid = AerofoilGrid {
         kind: AerofoilKind::C,
         section: Section::naca4("0012")?.with_trailing_edge(TrailingEdge::Closed)?,
         chord: 1.0,
@@ -28,7 +28,10 @@ fn naca0012(surface: usize) -> Outcome<MultiBlock> {
         wake_growth: 0.1,
         growth_limit: 2.0,
     }
-    .make()?)
+    .make()?;
+    // As the programs do.
+    split::part_at_own_cuts(&mut grid);
+    Ok(grid)
 }
 
 pub fn naca(folder: &Path) -> Outcome<String> {

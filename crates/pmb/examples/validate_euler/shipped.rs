@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::Path;
 
-use dip_grid::recipe;
+use dip_grid::{recipe, split};
 use dip_pmb::settings::Reference;
 
 use crate::{HEADER, Outcome, root, settings, steady};
@@ -48,7 +48,9 @@ pub fn shipped(folder: &Path) -> Outcome<String> {
         ("lann_ch_euler_coarse", &[(0.82, 0.6)]),
         ("lann_ch_euler", &[(0.62, 0.6), (0.82, 0.6)]),
     ] {
-        let grid = recipe::make(&root().join(format!("meshes/{recipe_name}.toml")))?;
+        let mut grid = recipe::make(&root().join(format!("meshes/{recipe_name}.toml")))?;
+        // As the programs do.
+        split::part_at_own_cuts(&mut grid);
         for &(mach, alpha) in flows {
             steady(
                 &mut text,
