@@ -27,6 +27,8 @@ fn attend(owner: Option<usize>, over: &AtomicBool) {
     // About a millisecond of looking.
     const PATIENCE: usize = 10_000;
     const PAUSES: usize = 16;
+    // A processor that others need as well is given up now and then: they may be what is waited for.
+    const YIELD_EVERY: usize = 64;
     if rayon::current_thread_index() == owner {
         return;
     }
@@ -38,6 +40,9 @@ fn attend(owner: Option<usize>, over: &AtomicBool) {
             idle += 1;
             for _ in 0..PAUSES {
                 std::hint::spin_loop();
+            }
+            if idle % YIELD_EVERY == 0 {
+                std::thread::yield_now();
             }
         }
     }
