@@ -129,7 +129,7 @@ fn a_shared_face_has_the_same_bits_from_both_sides() {
             reorient::reorient(&mut turned, 1, axes, reverse);
             assert_fits(&turned);
             for interface in &turned.topology.interfaces {
-                let area = |side: dip_grid::Side, p: usize, q: usize| {
+                let area = |side: Side, p: usize, q: usize| {
                     let block = &turned.blocks[side.block];
                     let node = |dp, dq| block.point_at(block.node_behind(side.face, p + dp, q + dq, 0));
                     face_area(node(0, 0), node(1, 0), node(1, 1), node(0, 1))
