@@ -15,7 +15,8 @@ use std::iter::Peekable;
 use std::slice::Iter;
 
 use crate::dense::{SPARE, invert, multiply_add, multiply_subtract, product, zero_lanes};
-use crate::order::{Coupling, Entry, Link, Order, Parts, Slab, Sweep, directions};
+use crate::order::{Coupling, Entry, Link, Order, Slab, Sweep, directions};
+use crate::sweep::Parts;
 use crate::{BLOCK, BlockMatrix, KrylovError, Storage, VARIABLES};
 
 /// Pivots of the incomplete factorization of [`BlockMatrix`]es, to be used together with them.

@@ -30,6 +30,7 @@ pub mod gcg;
 pub mod multilevel;
 mod order;
 mod storage;
+mod sweep;
 pub mod team;
 pub mod vector;
 

@@ -8,9 +8,6 @@
 //! the order, that it touches; slabs that need nothing of each other are worked on side by side. Every cell sees the
 //! same values whatever the number of threads.
 
-use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
-use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError};
-
 /// A coupling of an outermost cell of a block to a cell of another block (or to the other end of its own).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Coupling {
@@ -79,7 +76,7 @@ pub(crate) struct Slab {
     /// Couplings to cells later in the order, in the opposite order.
     pub(crate) after: Vec<Link>,
     /// Slabs that must be finished before it: in the order, and in the opposite one.
-    needs: [Vec<usize>; 2],
+    pub(crate) needs: [Vec<usize>; 2],
 }
 
 impl Slab {
@@ -98,18 +95,15 @@ impl Slab {
     }
 }
 
-/// What finished slabs hold, by number; nothing of those that are still to be worked on, or are being worked on.
-pub(crate) type Parts<'a, T> = [OnceLock<&'a [T]>];
-
 /// The order of all cells.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Order {
     /// By block, layers ascending.
     pub(crate) slabs: Vec<Slab>,
     /// Numbers of the slabs as they are begun: those that need nothing of each other stand side by side.
-    queue: Vec<usize>,
+    pub(crate) queue: Vec<usize>,
     /// Most slabs that can be worked on side by side.
-    width: usize,
+    pub(crate) breadth: usize,
     pub(crate) cell_count: usize,
 }
 
@@ -179,120 +173,12 @@ impl Order {
         }
         let waves = waves(&slabs, &sequence);
         Self {
-            width: waves.iter().map(Vec::len).max().unwrap_or(0),
+            breadth: waves.iter().map(Vec::len).max().unwrap_or(0),
             queue: waves.concat(),
             slabs,
             cell_count: offset,
         }
     }
-
-    /// Does `work` for every slab after those that it needs: in the order, or in the opposite one. `values` are cut into a
-    /// part a slab; `width` is their number a cell.
-    ///
-    /// Every thread takes the next slab of the queue and waits until those that it needs are finished. They were taken
-    /// before by threads that are at work on them, so that the wait ends. Of several errors the first in the queue is
-    /// returned: all slabs before it have been taken, whatever the number of threads.
-    pub(crate) fn run<T: Send + Sync, E: Send>(
-        &self,
-        backward: bool,
-        width: usize,
-        mut values: &mut [T],
-        work: impl Fn(&Slab, &mut [T], &Parts<'_, T>) -> Result<(), E> + Sync,
-    ) -> Result<(), E> {
-        // Handing work to another thread takes as long as some tens of cells.
-        const PARALLEL_FROM: usize = 300;
-        let todo: Vec<Mutex<Option<&mut [T]>>> = self
-            .slabs
-            .iter()
-            .map(|slab| {
-                let (head, tail) = std::mem::take(&mut values).split_at_mut(slab.cell_count() * width);
-                values = tail;
-                Mutex::new(Some(head))
-            })
-            .collect();
-        let done: Vec<OnceLock<&[T]>> = self.slabs.iter().map(|_| OnceLock::new()).collect();
-        let taken = AtomicUsize::new(0);
-        let stopped = AtomicBool::new(false);
-        let error: Mutex<Option<(usize, E)>> = Mutex::new(None);
-        let worker = || {
-            let _guard = StopOnPanic(&stopped);
-            loop {
-                let at = taken.fetch_add(1, Ordering::Relaxed);
-                if at >= self.queue.len() || stopped.load(Ordering::Relaxed) {
-                    return;
-                }
-                let n = self.queue[if backward { self.queue.len() - 1 - at } else { at }];
-                let slab = &self.slabs[n];
-                let needs = &slab.needs[usize::from(backward)];
-                if !needs.iter().all(|m| wait(&done[*m], &stopped)) {
-                    return;
-                }
-                let Some(mine) = lock(&todo[n]).take() else { return };
-                match work(slab, mine, &done) {
-                    Ok(()) => {
-                        let _: Result<(), _> = done[n].set(mine);
-                    }
-                    Err(e) => {
-                        let mut first = lock(&error);
-                        if first.as_ref().is_none_or(|(before, _)| at < *before) {
-                            *first = Some((at, e));
-                        }
-                        stopped.store(true, Ordering::Relaxed);
-                        return;
-                    }
-                }
-            }
-        };
-        let threads = if self.cell_count < PARALLEL_FROM {
-            1
-        } else {
-            rayon::current_num_threads().min(self.width)
-        };
-        rayon::scope(|scope| {
-            for _ in 1..threads {
-                scope.spawn(|_| worker());
-            }
-            worker();
-        });
-        match error.into_inner().unwrap_or_else(PoisonError::into_inner) {
-            Some((_, e)) => Err(e),
-            None => Ok(()),
-        }
-    }
-}
-
-fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
-    mutex.lock().unwrap_or_else(PoisonError::into_inner)
-}
-
-/// Keeps the other threads from waiting for a slab that will never be finished.
-struct StopOnPanic<'a>(&'a AtomicBool);
-
-impl Drop for StopOnPanic<'_> {
-    fn drop(&mut self) {
-        if std::thread::panicking() {
-            self.0.store(true, Ordering::Relaxed);
-        }
-    }
-}
-
-/// Waits for a slab; false if the work was stopped.
-fn wait<T>(part: &OnceLock<T>, stopped: &AtomicBool) -> bool {
-    // A slab takes some microseconds: going to sleep would take longer.
-    const SPINS: usize = 500;
-    let mut spins = 0;
-    while part.get().is_none() {
-        if stopped.load(Ordering::Relaxed) {
-            return false;
-        }
-        spins += 1;
-        if spins < SPINS {
-            std::hint::spin_loop();
-        } else {
-            std::thread::yield_now();
-        }
-    }
-    true
 }
 
 /// Slabs other than `own` of which it needs values.
