@@ -185,18 +185,22 @@ impl Coupled {
     pub fn deform(rest: &Nodes, shapes: &[Nodes], q: &[f64], nodes: &mut Nodes) {
         use rayon::prelude::*;
         const PIECE: usize = 4096;
-        let coordinates = nodes.blocks.par_iter_mut().zip(&rest.blocks).enumerate();
-        coordinates.with_max_len(1).for_each(|(b, (to, rest))| {
+        // Blocks side by side, and pieces of them: a grid may have one block only.
+        let blocks = nodes.blocks.par_iter_mut().zip(&rest.blocks).enumerate();
+        blocks.with_max_len(1).for_each(|(b, (to, rest))| {
             for (d, (to, rest)) in to.iter_mut().zip(rest).enumerate() {
-                for (piece, (to, rest)) in to.chunks_mut(PIECE).zip(rest.chunks(PIECE)).enumerate() {
-                    to.copy_from_slice(rest);
-                    for (shape, q) in shapes.iter().zip(q) {
-                        let shape = &shape.blocks[b][d][piece * PIECE..];
-                        for (to, s) in to.iter_mut().zip(shape) {
-                            *to += q * s;
+                to.par_chunks_mut(PIECE)
+                    .zip(rest.par_chunks(PIECE))
+                    .enumerate()
+                    .for_each(|(piece, (to, rest))| {
+                        to.copy_from_slice(rest);
+                        for (shape, q) in shapes.iter().zip(q) {
+                            let shape = &shape.blocks[b][d][piece * PIECE..];
+                            for (to, s) in to.iter_mut().zip(shape) {
+                                *to += q * s;
+                            }
                         }
-                    }
-                }
+                    });
             }
         });
     }

@@ -7,7 +7,7 @@ use crate::level::Level;
 
 /// Primitive variables `[rho, u, v, w, p]` by block, each a structure of arrays `[variable][k][j][i]` with ghost cells
 /// (see [`crate::level::Layout`]). Non-dimensional by free-stream density and speed.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub struct Field {
     /// One array a block.
     pub blocks: Vec<Vec<f64>>,

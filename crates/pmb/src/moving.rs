@@ -207,7 +207,7 @@ impl MovingGrid {
     }
 }
 
-/// Volume that the faces of cell `n` of a block swept outwards: by how much it grew.
+/// Volume that the faces of cell (i, j, k) of a block swept outwards: by how much it grew.
 #[inline(always)]
 pub(crate) fn growth(block: &LevelBlock, swept: &Swept, [i, j, k]: [usize; 3]) -> f64 {
     let [ni, nj, _] = block.layout.cells;
