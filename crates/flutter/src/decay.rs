@@ -11,6 +11,7 @@
 //! by variable projection (Golub and Pereyra 1973, with Kaufman's Jacobian) makes it the maximum-likelihood answer for
 //! white noise and gives standard errors, from which follows how sure the sign of each damping is.
 
+mod drift;
 mod limit_cycle;
 mod noise;
 mod projection;
@@ -22,6 +23,7 @@ use std::sync::OnceLock;
 use faer::c64;
 
 use crate::error::{FlutterError, Result, check_value};
+pub use drift::Drift;
 pub use limit_cycle::{LimitCycle, limit_cycle};
 use projection::Projection;
 use subspace::subspace;

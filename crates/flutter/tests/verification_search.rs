@@ -310,6 +310,60 @@ fn growth_without_oscillation_is_seen_and_known() {
     assert_eq!(watch.reading().unwrap().growth, None);
 }
 
+/// A mode whose stiffness the air takes away, `q'' + 2 zeta w q' + (1 - s) w^2 q = 0`, has the real roots
+/// `w (-zeta +- (zeta^2 - 1 + s)^(1/2))` near s = 1 and diverges beyond it, slowly at first, long after all that oscillates has died.
+#[test]
+fn a_run_does_not_end_before_slow_divergence_is_told_from_a_drift_that_dies_out() {
+    let dt = 1.0 / 10.0 / 40.0;
+    let (w, zeta) = (10.0 * TAU, 0.3_f64);
+    for s in [0.97, 0.99, 1.01, 1.03, 1.1] {
+        let root = (zeta * zeta - 1.0 + s).sqrt();
+        let rates = [w * (root - zeta), -w * (root + zeta)];
+        let mut watch = Watch::new(WatchSettings::new(dt, vec![w, 38.0 * TAU], vec![1.0, 1.0])).unwrap();
+        let known = (0..1200).find_map(|n| {
+            let t = n as f64 * dt;
+            let noise = 1e-5 * ((n * n) as f64 * 0.7).sin();
+            // From rest with a velocity, and an oscillation with g = -0.2.
+            let slow = (rates[0] * t).exp() - (rates[1] * t).exp();
+            let fast = (-0.1 * 38.0 * TAU * t).exp() * (38.0 * TAU * t).sin();
+            let reading = watch.push(&[slow + 0.1 * fast + noise, 0.2 * fast - 0.1 * slow + noise])?;
+            reading.known.then(|| (n, reading.clone()))
+        });
+        let (n, reading) = known.unwrap_or_else(|| panic!("{s}: {:?}", watch.reading()));
+        assert_eq!(reading.growth.is_some(), s > 1.0, "{s} after {n}: {reading:?}");
+        if let Some(growth) = reading.growth {
+            let off = growth.rate_1_s - rates[0];
+            assert!(
+                off.abs() < 4.0 * growth.rate_error_1_s,
+                "{s}: {} and {growth:?}",
+                rates[0]
+            );
+        }
+    }
+}
+
+/// The first quarter of an oscillation goes one way only.
+#[test]
+fn the_beginning_of_an_oscillation_is_no_divergence() {
+    let dt = 1.0 / 14.0 / 40.0;
+    for g in [-0.05, 0.0, 0.05] {
+        for hz in [10.5, 12.0, 14.0] {
+            let mut watch = Watch::new(WatchSettings::new(dt, vec![9.6 * TAU, 38.0 * TAU], vec![1.0, 1.0])).unwrap();
+            let known = (0..200).find_map(|n| {
+                let t = n as f64 * dt;
+                let wave = |hz: f64, g: f64| (0.5 * g * TAU * hz * t).exp() * (TAU * hz * t).sin();
+                let reading = watch.push(&[wave(hz, g), 0.1 * wave(hz, g) + 0.02 * wave(37.0, -0.1)])?;
+                reading.known.then(|| reading.clone())
+            });
+            let reading = known.unwrap();
+            assert!(
+                reading.growth.is_none() && (reading.modes[0].g - g).abs() < 0.005,
+                "{hz} {g}: {reading:?}"
+            );
+        }
+    }
+}
+
 #[test]
 fn a_limit_cycle_is_told_from_growth() {
     // Van der Pol: q'' - 2 zeta w (1 - (q/a)^2) q' + w^2 q = 0 settles to the amplitude 2 a (small zeta); the classical

@@ -2,8 +2,14 @@
 
 use faer::c64;
 
-use super::{DecayFit, DecaySettings, identify};
+use super::{DecayFit, DecaySettings, Drift, identify};
 use crate::error::{Result, check_value};
+
+/// Part of the elastic energy at the end of a record from which a drift counts.
+const DRIFT_SHARE: f64 = 0.2;
+/// An oscillation slower than this part of the lowest natural frequency is a drift: the air takes the stiffness away as the
+/// structure comes near divergence, and a fit makes pairs of its real roots.
+const SLOW: f64 = 0.5;
 
 /// When and how a running march is read.
 #[derive(Debug, Clone, PartialEq)]
@@ -86,6 +92,9 @@ pub struct Reading {
     pub modes: Vec<WatchedMode>,
     /// The fastest growth without oscillation: the structure diverges.
     pub growth: Option<Growth>,
+    /// What moves beside the oscillations, where it holds a good part of the motion at the end of the record: until it is seen to
+    /// die out or to grow, the structure may yet diverge.
+    pub drift: Option<Drift>,
     /// Part of the record that the fit leaves.
     pub residual: f64,
     /// True if the damping of the least stable mode, or the rate of divergence, is known as well as asked.
@@ -148,13 +157,16 @@ impl Watch {
         if samples < self.settings.skip + 12 || !(samples - self.settings.skip).is_multiple_of(self.settings.every) {
             return None;
         }
-        let fit = identify(&self.record(), self.settings.dt_s, &self.settings.decay).ok()?;
-        let reading = self.read(&fit, samples);
+        let record = self.record();
+        let fit = identify(&record, self.settings.dt_s, &self.settings.decay).ok()?;
+        let reading = self.read(&record, &fit, samples);
         Some(self.last.insert(reading))
     }
 
-    fn read(&self, fit: &DecayFit, samples: usize) -> Reading {
+    fn read(&self, record: &[Vec<f64>], fit: &DecayFit, samples: usize) -> Reading {
         let s = &self.settings;
+        let lowest_rad_s = s.omega_rad_s.iter().copied().fold(f64::INFINITY, f64::min);
+        let slowest_rad_s = SLOW * lowest_rad_s;
         let duration = (samples - s.skip - 1) as f64 * s.dt_s;
         // Mean of e^(2 sigma t) over the record.
         let growth = |sigma: f64| {
@@ -205,6 +217,11 @@ impl Watch {
             })
             .collect();
         modes.sort_by(|a, b| b.g.total_cmp(&a.g));
+        let stiffness: Vec<f64> = s.omega_rad_s.iter().zip(&s.mass_kg).map(|(w, m)| m * w * w).collect();
+        let drift = Drift::of(record, s.dt_s, fit, slowest_rad_s, &stiffness).filter(|d| d.share >= DRIFT_SHARE);
+        if drift.is_some() && modes.iter().any(|m| m.p_rad_s.im >= slowest_rad_s) {
+            modes.retain(|m| m.p_rad_s.im >= slowest_rad_s);
+        }
         let before = self.last.as_ref().and_then(|r| r.growth);
         let grown = fit
             .roots
@@ -221,10 +238,22 @@ impl Watch {
             .filter(|g| g.rate_1_s * duration >= 1.0 && g.rate_1_s > 3.0 * g.rate_error_1_s)
             .filter(|g| g.energy >= s.least_energy)
             .max_by(|a, b| a.rate_1_s.total_cmp(&b.rate_1_s));
-        let lowest = s.omega_rad_s.iter().copied().fold(f64::INFINITY, f64::min) / std::f64::consts::TAU;
-        let diverges = grown.is_some_and(|g| {
+        let lowest = lowest_rad_s / std::f64::consts::TAU;
+        let known_growth = grown.is_some_and(|g| {
             before.is_some() && g.rate_error_1_s < s.relative * g.rate_1_s && duration * lowest >= s.least_cycles
         });
+        // Fast growth shows as an exponential of the fit; slow growth as a drift, when the oscillations have died. Before they have
+        // been seen for a cycle, they are a drift too.
+        let slow = drift
+            .filter(|d| d.share > 1.0 - DRIFT_SHARE && d.grows() && duration * lowest >= s.least_cycles)
+            .map(|d| Growth {
+                rate_1_s: d.rate_1_s,
+                rate_error_1_s: d.rate_error_1_s,
+                energy: d.share,
+            });
+        let dies = drift.is_none_or(|d| d.dies());
+        let diverges = known_growth || slow.is_some();
+        let grown = grown.or(slow);
         let clear = |m: &WatchedMode| {
             m.g_error < s.accuracy.max(s.relative * m.g.abs()) && duration * m.freq_hz >= s.least_cycles
         };
@@ -237,7 +266,8 @@ impl Watch {
             growth: grown,
             residual: fit.residual,
             modes,
-            known: settled || diverges,
+            known: settled && dies || diverges,
+            drift,
         }
     }
 }

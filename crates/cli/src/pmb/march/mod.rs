@@ -198,6 +198,15 @@ fn warnings(march: &March<'_>, searched: &Searched) -> Vec<String> {
                 "{place}: divergence: the wing moves away without oscillating{rate}"
             ));
         }
+        if let Some(drift) = &t.drift {
+            let error = drift.rate_error_1_s.map_or_else(String::new, |e| format!(" +- {e:.2}"));
+            warnings.push(format!(
+                "{place}: divergence cannot be told from a drift that dies out: {:.0} % of the energy at the end does not oscillate, growing at {:.2}{error} 1/s; give \
+                more march.cycles",
+                100.0 * drift.share,
+                drift.rate_1_s
+            ));
+        }
         if let Some(c) = &t.limit_cycle {
             warnings.push(format!(
                 "{place}: limit cycle: the motion has grown (g {:+.4}) and keeps its size now, {:.2} Hz, up to {:.3} mm at the wall",

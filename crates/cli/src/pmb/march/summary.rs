@@ -50,6 +50,9 @@ pub struct TrialRow {
     /// Rate at which it does, 1/s, where that could be read.
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub growth_1_s: Option<f64>,
+    /// What moved beside the oscillations when the run ended, if it was seen neither to die out nor to grow.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub drift: Option<DriftRow>,
     /// The limit cycle that the motion has grown to, if it has.
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub limit_cycle: Option<LimitCycleRow>,
@@ -75,6 +78,17 @@ pub struct TrialRow {
     pub seconds: Seconds,
     /// Where its wall time went.
     pub cost: Cost,
+}
+
+/// A motion without oscillation that may yet turn out to be divergence.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct DriftRow {
+    /// Rate at which it grew in the second half of the run, 1/s.
+    pub rate_1_s: f64,
+    /// Its standard error, 1/s; none where the motion changed its sign.
+    pub rate_error_1_s: Option<f64>,
+    /// Its part of the elastic energy in the last quarter of the run.
+    pub share: f64,
 }
 
 /// Where the wall time of runs went; the parts do not overlap.

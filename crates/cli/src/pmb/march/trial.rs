@@ -4,7 +4,7 @@ use super::case::March;
 use super::files;
 use super::listen::Listener;
 use super::motion::{LimitCycleRow, Motion, motion, named};
-use super::summary::{Cost, TrialRow};
+use super::summary::{Cost, DriftRow, TrialRow};
 use crate::assemble::flow;
 use crate::exit::Stop;
 use crate::pmb::logbook::Logbook;
@@ -106,6 +106,7 @@ impl March<'_> {
             Stability::Oscillation { g, g_error, freq_hz } => (Some(g), Some(g_error), Some(freq_hz)),
             Stability::Divergence => (None, None, None),
         };
+        let diverges = matches!(motion, Motion::Diverges(_));
         let cost = Cost::new(&result.seconds, mean_position_s, listener.reading_s);
         tracing::info!("{label}: {}", motion.words());
         tracing::info!("{label}: {}", cost.words());
@@ -119,12 +120,20 @@ impl March<'_> {
             g_error,
             frequency_hz,
             modes: reading.map_or_else(Vec::new, |r| named(&r.modes, equations)),
-            diverges: matches!(motion, Motion::Diverges(_)),
+            diverges,
             growth_1_s: if let Motion::Diverges(rate) = motion {
                 rate
             } else {
                 None
             },
+            drift: reading
+                .and_then(|r| r.drift)
+                .filter(|d| !d.dies() && !diverges)
+                .map(|d| DriftRow {
+                    rate_1_s: d.rate_1_s,
+                    rate_error_1_s: Some(d.rate_error_1_s).filter(|e| e.is_finite()),
+                    share: d.share,
+                }),
             limit_cycle: if let Motion::LimitCycle(c) = motion {
                 Some(LimitCycleRow {
                     frequency_hz: c.freq_hz,
