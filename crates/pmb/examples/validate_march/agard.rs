@@ -4,7 +4,8 @@ use std::f64::consts::TAU;
 
 use dip_grid::MultiBlock;
 use dip_modal::{
-    Attachment, GridModes, ModalEquations, Modes, ModesRequest, MovingWall, StructuralSurface, ThicknessRule, Transfer,
+    Attachment, GridModes, MassForm, ModalEquations, Modes, ModesRequest, MovingWall, StructuralSurface, ThicknessRule,
+    Transfer,
 };
 use dip_pmb::couple::{Coupling, Stream};
 use dip_pmb::march::Wing;
@@ -72,18 +73,23 @@ pub fn frequency_ratio(freq_hz: f64) -> f64 {
     freq_hz / OMEGA_ALPHA_HZ
 }
 
-/// Modes by name: `yates`, or `own` (plate of 11 x 21 nodes, nodal thickness: `docs/validation/structure`).
+/// Modes by name: `yates`, or `own`, those of the plate of `cases/agard445/structure.toml`.
 pub fn modes(name: &str, count: usize) -> Outcome<Modes> {
-    let mut modes = if name == "yates" {
-        published::yates()
-    } else {
-        let model = published::agard_wing("R765", 11, 21, ThicknessRule::Nodal).model()?;
-        model.assemble()?.modes(&ModesRequest::lowest(count))?
-    };
+    if name != "yates" {
+        return plate("R765", ThicknessRule::ElementMean, MassForm::Consistent, count);
+    }
+    let mut modes = published::yates();
     modes.shapes.truncate(count);
     modes.omega_rad_s.truncate(count);
     modes.generalized_mass.truncate(count);
     Ok(modes)
+}
+
+/// Lowest modes of the thesis's plate, 11 x 21 nodes, by ordinates (`R765`, `TN3047`), thickness rule and mass matrix.
+pub fn plate(ordinates: &str, rule: ThicknessRule, mass: MassForm, count: usize) -> Outcome<Modes> {
+    let mut model = published::agard_wing(ordinates, 11, 21, rule).model()?;
+    model.settings.mass = mass;
+    Ok(model.assemble()?.modes(&ModesRequest::lowest(count))?)
 }
 
 /// The case at a Mach number; a step is 1/40 of a cycle of 14 Hz, the start gives the tip 0.1 % of the semispan in mode 1.

@@ -61,6 +61,8 @@ pub struct Row {
     pub g_error: f64,
     /// Its frequency, Hz.
     pub freq_hz: f64,
+    /// Rate of a growth without oscillation that outgrows it, 1/s.
+    pub divergence_1_s: Option<f64>,
     /// Steps taken.
     pub steps: usize,
     /// Products with the flow's operator.
@@ -73,6 +75,19 @@ pub struct Row {
     pub coupling: [f64; 2],
     /// Processor seconds.
     pub cpu_s: f64,
+}
+
+/// Damping of the least stable mode as read at a moment of a march.
+#[derive(Clone, Copy, Debug)]
+pub struct ReadDamping {
+    /// Samples so far.
+    pub samples: usize,
+    /// Damping.
+    pub g: f64,
+    /// Its standard error.
+    pub g_error: f64,
+    /// A search would stop here.
+    pub known: bool,
 }
 
 /// A finished search.
@@ -140,6 +155,37 @@ impl Case {
         Ok(mean.ok_or("interrupted")?)
     }
 
+    fn watch_settings(&self) -> WatchSettings {
+        let equations = &self.wing.equations;
+        let mut watch = WatchSettings::new(
+            1.0 / self.freq_hz / self.steps_per_cycle,
+            equations.omega_rad_s.clone(),
+            equations.generalized_mass.clone(),
+        );
+        watch.every = (self.steps_per_cycle / 8.0).round().max(1.0) as usize;
+        watch.skip = (self.steps_per_cycle / 10.0).round() as usize;
+        watch
+    }
+
+    /// What a search would have read of the least stable mode while a march about the undeformed wing went on.
+    pub fn readings(&self, states: &[ModalState]) -> Outcome<Vec<ReadDamping>> {
+        let mut watch = Watch::new(self.watch_settings())?;
+        let mut readings = Vec::new();
+        for state in states {
+            if let Some(reading) = watch.push(&state.q)
+                && let Some(mode) = reading.modes.first()
+            {
+                readings.push(ReadDamping {
+                    samples: reading.samples,
+                    g: mode.g,
+                    g_error: mode.g_error,
+                    known: reading.known,
+                });
+            }
+        }
+        Ok(readings)
+    }
+
     /// One march; `accuracy` of its damping, if the usual one is too coarse.
     pub fn march(&self, still: &MeanFlow, at: f64, stream: Stream, accuracy: Option<f64>) -> Outcome<Row> {
         let begin = cpu_s();
@@ -170,13 +216,7 @@ impl Case {
             resume: false,
             checkpoint_steps: 0,
         };
-        let mut watch = WatchSettings::new(
-            step_s,
-            equations.omega_rad_s.clone(),
-            equations.generalized_mass.clone(),
-        );
-        watch.every = (self.steps_per_cycle / 8.0).round().max(1.0) as usize;
-        watch.skip = (self.steps_per_cycle / 10.0).round() as usize;
+        let mut watch = self.watch_settings();
         watch.accuracy = accuracy.map_or(watch.accuracy, |a| a.min(watch.accuracy));
         let mut reader = Reader {
             watch: Watch::new(watch)?,
@@ -186,11 +226,16 @@ impl Case {
         let never = AtomicBool::new(false);
         let result = run(&settings, &self.grid, &self.wing, stream, &mean, &mut reader, &never)?;
         let mode = reader.watch.reading().and_then(|r| r.modes.first().cloned());
-        let (g, g_error, freq_hz) = mode.map_or((f64::NAN, f64::NAN, f64::NAN), |m| (m.g, m.g_error, m.freq_hz));
+        let (g, g_error, freq_hz) = mode
+            .as_ref()
+            .map_or((f64::NAN, f64::NAN, f64::NAN), |m| (m.g, m.g_error, m.freq_hz));
+        let sigma = mode.as_ref().map_or(f64::NEG_INFINITY, |m| m.p_rad_s.re);
+        let growth = reader.watch.reading().and_then(|r| r.growth);
         let row = Row {
             g,
             g_error,
             freq_hz,
+            divergence_1_s: growth.map(|g| g.rate_1_s).filter(|rate| *rate > sigma),
             steps: result.states.len() - 1,
             products: result.products,
             stop: result.stop,
@@ -216,7 +261,7 @@ impl Case {
                 end => break end,
             };
             let row = self.march(still, at, stream(at), search.damping_accuracy())?;
-            let stability = if row.g.is_finite() && row.g_error.is_finite() {
+            let stability = if row.divergence_1_s.is_none() && row.g.is_finite() && row.g_error.is_finite() {
                 Stability::Oscillation {
                     g: row.g,
                     g_error: row.g_error,

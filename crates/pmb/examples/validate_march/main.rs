@@ -1,12 +1,13 @@
 //! Validation of the aeroelastic march: a section on springs against Possio's equation, Isogai's case A, AGARD 445.6. Writes
 //! `docs/validation/march/`.
 //!
-//! `cargo run --release -p dip-pmb --example validate_march [-- section isogai agard medium own static sensitivity responses cost]`
-//! (all by default; about half an hour on one core). With no part that it knows, it only puts the page together.
+//! `cargo run --release -p dip-pmb --example validate_march [-- section divergence isogai agard medium own like static sensitivity confidence responses cost]`
+//! (all by default; about an hour on one core). With no part that it knows, it only puts the page together.
 
 mod agard;
 mod boundary;
 mod driver;
+mod like;
 mod position;
 #[path = "../validate_unsteady/possio.rs"]
 mod possio;
@@ -55,14 +56,18 @@ fn percent(found: f64, reference: f64) -> String {
 
 type Part = (&'static str, fn(&Path) -> Outcome<String>);
 
-const PARTS: [Part; 9] = [
+const PARTS: [Part; 12] = [
     ("section", springs::section),
+    ("divergence", springs::divergence),
     ("isogai", springs::isogai),
+    // What a point's error is made of: before the points.
+    ("sensitivity", trust::sensitivity),
+    ("confidence", trust::confidence),
     ("agard", boundary::agard_boundary),
     ("medium", boundary::agard_medium),
     ("own", boundary::agard_own),
+    ("like", like::like),
     ("static", position::static_position),
-    ("sensitivity", trust::sensitivity),
     ("responses", trust::responses),
     ("cost", trust::cost),
 ];

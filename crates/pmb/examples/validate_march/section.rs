@@ -118,6 +118,13 @@ impl Section {
         }
     }
 
+    /// U/(b omega_alpha) of static divergence: where the moment about the elastic axis for a radian of incidence, a
+    /// coefficient of the chord, takes up the stiffness in pitch.
+    pub fn divergence(&self, moment_slope: f64) -> f64 {
+        // I omega_alpha^2 = rho/2 U^2 c^2 cm_alpha with I = mu pi rho b^4 r^2 and c = 2 b.
+        (self.mu * PI * self.r2 / (2.0 * moment_slope)).sqrt()
+    }
+
     /// Flutter of a thin plate by Possio's equation at `mach` (Theodorsen's at 0): U/(b omega_alpha) and omega/omega_alpha at the
     /// lowest speed, by the U-g method: `(M + rho/2 (b/k)^2 Q(k)) v = (1 + ig)/omega^2 K v`.
     pub fn flutter(&self, mach: f64) -> Option<[f64; 2]> {

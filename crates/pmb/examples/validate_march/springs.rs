@@ -19,6 +19,15 @@ const HODGES: Section = Section {
     frequency_ratio: 0.4,
 };
 
+/// A section that diverges and does not flutter: elastic axis at 60 % of the chord, centre of gravity at 45 %.
+const DIVERGING: Section = Section {
+    a: 0.2,
+    x_alpha: -0.3,
+    r2: 0.24,
+    mu: 20.0,
+    frequency_ratio: 0.4,
+};
+
 /// Isogai's case A (`isogai_caseA.json`).
 const ISOGAI: Section = Section {
     a: -2.0,
@@ -55,6 +64,44 @@ pub fn section(_: &Path) -> Outcome<String> {
             n.error,
             percent(n.at, exact),
             percent(ours, ratio),
+            found.rows.len(),
+            found.cpu_s + seconds
+        );
+    }
+    Ok(page)
+}
+
+/// Static divergence, whose speed is known in closed form from the lift slope.
+pub fn divergence(_: &Path) -> Outcome<String> {
+    let mut page = String::from(
+        "## A section that diverges\n\n\
+        a = 0.2, x_alpha = -0.3, r^2 = 0.24, mu = 20, omega_h / omega_alpha = 0.4; NACA 0002 as above. A thin plate diverges where (U / (b omega_alpha))^2 = \
+        mu r^2 (1 - M^2)^(1/2) / (1 + 2 a); the same with the lift slope of the steady flow on this grid about this axis. The search knows neither and says \
+        that the section diverges, and between which speeds.\n\n\
+        | Mach | thin plate | with our lift slope | diverges between | | marches | CPU, s |\n|---|---|---|---|---|---|---|\n",
+    );
+    let grid = mesh("thin_aerofoil_unsteady")?;
+    for mach in [0.3, 0.5] {
+        let case = DIVERGING.case(grid.clone(), mach, 10.0)?;
+        let (still, seconds) = case.still()?;
+        let plate =
+            DIVERGING.divergence(std::f64::consts::TAU / (1.0 - mach * mach).sqrt() * 0.5 * (0.5 + DIVERGING.a));
+        // Moment about the elastic axis for a radian of incidence, per chord.
+        let mut turned = case.clone();
+        turned.steady.flow.alpha_deg = 0.1;
+        let slope = turned.still()?.0.loads.total.cm / 0.1_f64.to_radians();
+        let exact = DIVERGING.divergence(slope);
+        println!("divergence at Mach {mach}: thin plate {plate:.4}, by our moment {exact:.4}");
+        let found = case.search(&still, search(0.8 * plate, [0.5, 6.0], 0.01), |v| DIVERGING.stream(v))?;
+        let said = match found.end {
+            dip_flutter::search::SearchStep::Divergence([below, above]) => {
+                format!("{below:.4} and {above:.4} | {}", percent(0.5 * (below + above), exact))
+            }
+            end => format!("{end:?} |"),
+        };
+        let _ = writeln!(
+            page,
+            "| {mach} | {plate:.4} | {exact:.4} | {said} | {} | {:.1} |",
             found.rows.len(),
             found.cpu_s + seconds
         );

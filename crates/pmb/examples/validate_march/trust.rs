@@ -8,8 +8,32 @@ use dip_pmb::couple::Coupling;
 use dip_report::{Chart, Figure, Series};
 
 use crate::agard::{self, speed_index};
-use crate::driver::{Case, Outcome, cpu_s};
-use crate::{mesh, percent, search};
+use crate::driver::{Case, Outcome, ReadDamping, cpu_s};
+use crate::{mesh, percent, root, search};
+
+/// Mach number and what time step, tolerance, start and number of modes add to the error of a point, % of speed.
+const UNCERTAINTY: &str = "docs/validation/march/parts/uncertainty.csv";
+
+/// Numerical error of a point in % of speed, without that of the grid: its identification's (`identified`, % of speed) and
+/// what the study of sensitivity found for the Mach number, between its two by a straight line.
+pub fn numerical_uncertainty(mach: f64, identified: f64) -> Outcome<f64> {
+    let file = root().join(UNCERTAINTY);
+    let text =
+        fs::read_to_string(&file).map_err(|e| format!("{}: {e}: run the part `sensitivity` first", file.display()))?;
+    let rows: Vec<(f64, f64)> = text
+        .lines()
+        .skip(1)
+        .filter_map(|l| {
+            l.split_once(',')
+                .and_then(|(m, p)| Some((m.parse().ok()?, p.parse().ok()?)))
+        })
+        .collect();
+    let [(from, low), (to, high)] = rows[..] else {
+        return Err(format!("{}: two Mach numbers are needed", file.display()).into());
+    };
+    let other = low + (high - low) * ((mach - from) / (to - from)).clamp(0.0, 1.0);
+    Ok(identified.hypot(other))
+}
 
 pub fn sensitivity(_: &Path) -> Outcome<String> {
     let mut page = String::from(
@@ -37,6 +61,7 @@ pub fn sensitivity(_: &Path) -> Outcome<String> {
     let structure: [Change; 2] = [("2 modes", 2, |_| ()), ("5 modes", 5, |_| ())];
     let coupling: [Change; 1] = [("loose coupling", 4, |c| c.coupling = Coupling::Loose)];
     let mut sums = String::new();
+    let mut uncertainty = String::from("mach,percent_of_speed\n");
     for (mach, first) in [(0.678, 0.215), (0.96, 0.054)] {
         let point = *agard::experiment()?
             .iter()
@@ -44,7 +69,7 @@ pub fn sensitivity(_: &Path) -> Outcome<String> {
             .ok_or("no such point")?;
         let mut reference = None;
         // Squares of what a finer step, a smaller tolerance, a smaller start and one mode more change, in per cent of speed.
-        let mut squares = 0.0;
+        let (mut squares, mut identified) = (0.0, 0.0);
         let groups: [&[Change]; 5] = [&time, &tolerance, &start, &structure, &coupling];
         for (label, count, change) in groups.into_iter().flatten() {
             let modes = agard::modes("yates", *count)?;
@@ -67,12 +92,14 @@ pub fn sensitivity(_: &Path) -> Outcome<String> {
             let index = speed_index(point.speed_m_s, n.at);
             let reference = *reference.get_or_insert(index);
             let change = 100.0 * (index / reference - 1.0);
+            if change == 0.0 {
+                // The index goes with the root of density.
+                identified = 50.0 * n.error / n.at;
+            }
             squares += match *label {
                 // Second order: the step's own error is four thirds of what half the step changes.
                 "80 steps a cycle" => (4.0 / 3.0 * change).powi(2),
                 "3 orders a step" | "0.01 % of the semispan" | "5 modes" => change.powi(2),
-                // The index goes with the root of density.
-                _ if change == 0.0 => (50.0 * n.error / n.at).powi(2),
                 _ => 0.0,
             };
             let _ = writeln!(
@@ -88,14 +115,84 @@ pub fn sensitivity(_: &Path) -> Outcome<String> {
         }
         let _ = writeln!(
             sums,
-            "- Mach {mach}: {:.1} % of speed from identification, time step (four thirds of the change to 80 steps), tolerance, start and number of modes together (root of the sum of squares).",
-            squares.sqrt()
+            "- Mach {mach}: {:.2} % of speed from time step (four thirds of the change to 80 steps), tolerance, start and number of modes together (root of the sum of squares), {:.2} % with the identification of this point.",
+            squares.sqrt(),
+            identified.hypot(squares.sqrt())
         );
+        let _ = writeln!(uncertainty, "{mach},{:.3}", squares.sqrt());
     }
     let _ = writeln!(
         page,
-        "\nNumerical uncertainty of a point, without that of the grid:\n\n{sums}\nThe grid's is in the tables above: 1 % at Mach 0.678 between 14,336 and 202,752 cells; at 0.96 it is the largest \
+        "\nNumerical uncertainty of a point, without that of the grid, which the flutter points below carry beside that of their identification:\n\n{sums}\nThe grid's is in the tables below: 1 % at Mach 0.678 between 14,336 and 202,752 cells; at 0.96 it is the largest \
         of all, 9 % between 14,336 and 53,760 cells."
+    );
+    fs::write(root().join(UNCERTAINTY), uncertainty)?;
+    Ok(page)
+}
+
+/// What a march says of the damping when it stops, against the same march gone on for many cycles.
+pub fn confidence(_: &Path) -> Outcome<String> {
+    let mut page = String::from(
+        "## How far the stated errors hold\n\n\
+        O-O coarse, Yates' modes, 12 cycles of 14 Hz without stopping. `when it would stop`: the reading with which a search would have ended the march, \
+        with its standard error; `z`: its distance from the reading of the whole record in standard errors.\n\n\
+        | Mach | density, kg/m^3 | steps | g when it would stop | steps | g of the whole record | z |\n|---|---|---|---|---|---|---|\n",
+    );
+    let grid = mesh("agard445_oo_coarse")?;
+    let modes = agard::modes("yates", 4)?;
+    let (mut first, mut all) = (Vec::new(), Vec::new());
+    for (mach, densities) in [
+        (0.678, &[0.19, 0.22][..]),
+        (0.901, &[0.08, 0.088, 0.1]),
+        (0.96, &[0.05, 0.0527, 0.058]),
+        (1.072, &[0.1, 0.112]),
+    ] {
+        let point = *agard::experiment()?
+            .iter()
+            .find(|p| p.mach == mach)
+            .ok_or("no such point")?;
+        let mut case = agard::case(&grid, &modes, mach, 0.0)?;
+        case.whole = true;
+        case.cycles = 12.0;
+        let (still, _) = case.still()?;
+        for &density in densities {
+            let row = case.march(&still, density, agard::stream(point.speed_m_s, density), None)?;
+            let readings = case.readings(&row.states)?;
+            let Some((last, before)) = readings.split_last() else {
+                return Err("a march without a reading".into());
+            };
+            let z = |r: &ReadDamping| (r.g - last.g) / r.g_error;
+            let stop = before.iter().find(|r| r.known).ok_or("a damping that is never known")?;
+            let _ = writeln!(
+                page,
+                "| {mach} | {density} | {} | {:+.5} +- {:.5} | {} | {:+.5} +- {:.5} | {:+.2} |",
+                stop.samples,
+                stop.g,
+                stop.g_error,
+                last.samples,
+                last.g,
+                last.g_error,
+                z(stop)
+            );
+            first.push(z(stop));
+            // From where it would stop to four cycles of 14 Hz: later readings are hardly apart from the last.
+            let late = stop.samples.max(4 * case.steps_per_cycle as usize);
+            let early = before.iter().filter(|r| r.samples >= stop.samples && r.samples <= late);
+            all.extend(early.map(z));
+        }
+    }
+    let rms = |z: &[f64]| (z.iter().map(|z| z * z).sum::<f64>() / z.len() as f64).sqrt();
+    let within = |z: &[f64]| 100.0 * z.iter().filter(|z| z.abs() < 1.0).count() as f64 / z.len() as f64;
+    let _ = writeln!(
+        page,
+        "\nRoot mean square of z where they stop {:.2} ({} of {} within one standard error; 1 and 68 % would be exact); over all {} readings from there to four cycles \
+        {:.2}, {:.0} % within one.",
+        rms(&first),
+        first.iter().filter(|z| z.abs() < 1.0).count(),
+        first.len(),
+        all.len(),
+        rms(&all),
+        within(&all)
     );
     Ok(page)
 }

@@ -1,0 +1,337 @@
+//! An independent code's flutter point at Mach 0.96, on grids that are like its own.
+//!
+//! Its grid is not at hand. Known are its kind and size, 97 x 21 x 29 points, and lift and drag of two codes on it in steady
+//! flow at 1 degree. So grids of that size are drawn, ranked by how near our lift and drag come to those, and the nearest are
+//! marched. Flutter takes no part in the choice.
+
+use std::fmt::Write as _;
+use std::fs;
+use std::path::Path;
+use std::sync::atomic::AtomicBool;
+
+use dip_grid::MultiBlock;
+use dip_grid::recipe::{self, Length};
+use dip_modal::{MassForm, Modes, ThicknessRule};
+use dip_pmb::observer::Silent;
+use dip_pmb::reconstruct::Reconstruction;
+use dip_pmb::settings::SteadySettings;
+use dip_pmb::steady;
+use dip_report::{Chart, Marker, Series};
+
+use crate::agard::{self, speed_index};
+use crate::driver::Outcome;
+use crate::{percent, root, search};
+
+const MACH: f64 = 0.96;
+/// Lift and drag coefficient at 1 degree on the code's grid: ADflow without limiter, with van Albada's, and CFL3D with its
+/// smooth limiter.
+const UNLIMITED: [f64; 2] = [0.07123, 0.00123];
+const LIMITED: [f64; 2] = [0.07034, 0.00255];
+const SMOOTH: [f64; 2] = [0.07204, 0.00183];
+/// Its dynamic pressure at flutter over that of the experiment, from and to, and the frequencies of its plate, Hz.
+const PRESSURE: [f64; 2] = [1.13, 1.14];
+const FREQUENCY_HZ: f64 = 14.5;
+const PLATE_HZ: [f64; 4] = [9.45, 39.67, 49.64, 95.5];
+const DRAWN: usize = 96;
+const NEAREST: usize = 6;
+/// Ranks further down that are marched to show what lift says about flutter.
+const OTHERS: [usize; 4] = [19, 38, 57, 76];
+
+/// What differs between grids of 97 x 21 x 29 points.
+#[derive(Clone, Copy, Debug)]
+struct Shape {
+    /// Cells along each surface (the rest of 48 along the wake) and along the span of the wing (the rest of 28 outboard).
+    surface: usize,
+    span: usize,
+    /// Steps at nose and tail, in chords; off the wall, at root and tip, metres.
+    nose: f64,
+    tail: f64,
+    wall_m: f64,
+    root_m: f64,
+    tip_m: f64,
+    far_m: f64,
+}
+
+/// The `n`-th point of an additive recurrence that fills the unit cube of `D` dimensions evenly: multiples of the powers
+/// of 1/g, where g^(D+1) = g + 1 (the golden ratio for D = 1; M. Roberts 2018), less whole numbers.
+fn recurrence<const D: usize>(n: usize) -> [f64; D] {
+    let mut g = 1.0_f64;
+    for _ in 0..64 {
+        g = (1.0 + g).powf(1.0 / (D + 1) as f64);
+    }
+    std::array::from_fn(|d| (0.5 + n as f64 * g.powi(-(d as i32) - 1)).fract())
+}
+
+impl Shape {
+    /// The `n`-th grid, lengths spread by their logarithm.
+    fn drawn(n: usize) -> Self {
+        let u = recurrence::<8>(n);
+        let even = |u: f64, from: usize, to: usize| from + 2 * (u * ((to - from) / 2 + 1) as f64) as usize;
+        let length = |u: f64, from: f64, to: f64| from * (to / from).powf(u);
+        Self {
+            surface: even(u[0], 20, 40),
+            span: even(u[1], 12, 22),
+            nose: length(u[2], 0.0005, 0.004),
+            tail: length(u[3], 0.001, 0.03),
+            wall_m: length(u[4], 0.1e-3, 1.2e-3),
+            root_m: length(u[5], 0.035, 0.09),
+            tip_m: length(u[6], 0.002, 0.012),
+            far_m: length(u[7], 5.0, 25.0),
+        }
+    }
+
+    /// The shipped recipe of the size with these numbers.
+    fn grid(&self) -> Outcome<MultiBlock> {
+        let mut r = recipe::read(&root().join("meshes/agard445_ch_euler.toml"))?;
+        (r.cells.surface, r.cells.wake) = (Some(self.surface), Some(48 - self.surface));
+        (r.cells.span, r.cells.outboard) = (Some(self.span), Some(28 - self.span));
+        (r.spacing.nose, r.spacing.tail) = (Some(self.nose), Some(self.tail));
+        r.spacing.wall = Some(Length(self.wall_m));
+        (r.spacing.root, r.spacing.tip) = (Some(Length(self.root_m)), Some(Length(self.tip_m)));
+        (r.extent.far_field, r.extent.exit) = (Some(Length(self.far_m)), Some(Length(1.2 * self.far_m)));
+        Ok(r.make()?)
+    }
+
+    fn row(&self) -> String {
+        format!(
+            "{} | {} | {:.2} | {:.1} | {:.2} | {:.0} | {:.1} | {:.1}",
+            self.surface,
+            self.span,
+            100.0 * self.nose,
+            100.0 * self.tail,
+            1e3 * self.wall_m,
+            1e3 * self.root_m,
+            1e3 * self.tip_m,
+            self.far_m
+        )
+    }
+}
+
+/// Lift and drag coefficient at 1 degree.
+fn forces(grid: &MultiBlock, change: impl Fn(&mut SteadySettings)) -> Outcome<[f64; 2]> {
+    let mut s = SteadySettings::default();
+    s.flow.mach = MACH;
+    s.flow.alpha_deg = 1.0;
+    s.reference.area = 0.35315;
+    s.solver.orders = 5.0;
+    change(&mut s);
+    let total = steady::run(&s, grid, &mut Silent, &AtomicBool::new(false))?.loads.total;
+    Ok([total.cl, total.cd])
+}
+
+/// A grid with its coefficients: without limiter, with the limiter that acts everywhere, with the default one.
+struct Candidate {
+    name: String,
+    shape: String,
+    grid: MultiBlock,
+    coefficients: [[f64; 2]; 3],
+}
+
+impl Candidate {
+    fn new(name: String, shape: String, grid: MultiBlock) -> Outcome<Self> {
+        let coefficients = [
+            forces(&grid, |s| s.reconstruction = Reconstruction::Unlimited)?,
+            forces(&grid, |s| s.limiter_constant = 0.01)?,
+            forces(&grid, |_| ())?,
+        ];
+        println!("{name}: {shape}: {coefficients:?}");
+        Ok(Self {
+            name,
+            shape,
+            grid,
+            coefficients,
+        })
+    }
+
+    /// Distance to the code's grid: root mean square over lift and drag by the three limiters, in units of the spread of the
+    /// three pairs.
+    fn distance(&self) -> f64 {
+        let published = [UNLIMITED, LIMITED, SMOOTH];
+        let mut sum = 0.0;
+        for c in 0..2 {
+            let value = |pair: &[f64; 2]| pair[c];
+            let most = published.iter().map(value).fold(f64::MIN, f64::max);
+            let least = published.iter().map(value).fold(f64::MAX, f64::min);
+            for (ours, theirs) in self.coefficients.iter().zip(published) {
+                sum += ((ours[c] - theirs[c]) / (most - least)).powi(2);
+            }
+        }
+        (sum / 6.0).sqrt()
+    }
+}
+
+/// The plate whose first four frequencies come closest to the code's, of all that the thesis leaves open, and what it is.
+fn closest_plate() -> Outcome<(Modes, String)> {
+    let mut best: Option<(f64, Modes, String)> = None;
+    for ordinates in ["R765", "TN3047"] {
+        for (rule, thickness) in [
+            (ThicknessRule::Nodal, "thickness of the nodes"),
+            (ThicknessRule::ElementMean, "mean thickness of the elements"),
+            (ThicknessRule::ExactSection, "exact section"),
+        ] {
+            for (form, mass) in [
+                (MassForm::Lumped, "lumped mass"),
+                (MassForm::Consistent, "consistent mass"),
+            ] {
+                let modes = agard::plate(ordinates, rule, form, 4)?;
+                let off = |m: usize| modes.freq_hz(m) / PLATE_HZ[m] - 1.0;
+                let rms = ((0..4).map(|m| off(m).powi(2)).sum::<f64>() / 4.0).sqrt();
+                if best.as_ref().is_none_or(|b| rms < b.0) {
+                    let hz: Vec<String> = (0..4).map(|m| format!("{:.2}", modes.freq_hz(m))).collect();
+                    let text = format!(
+                        "{ordinates} ordinates, {thickness}, {mass}: {} Hz, {:.2} % off in the mean",
+                        hz.join(", "),
+                        100.0 * rms
+                    );
+                    best = Some((rms, modes, text));
+                }
+            }
+        }
+    }
+    let (_, modes, text) = best.ok_or("no plate")?;
+    Ok((modes, text))
+}
+
+/// Speed index with its standard error, and frequency, by default settings; the wall displaced along z only.
+fn flutter(grid: &MultiBlock, modes: &Modes, limiter_constant: Option<f64>) -> Outcome<[f64; 3]> {
+    let experiment = agard::experiment()?;
+    let point = experiment.iter().find(|p| p.mach == MACH).ok_or("no such point")?;
+    let mut case = agard::case_along(grid, modes, MACH, 0.0, true)?;
+    if let Some(constant) = limiter_constant {
+        case.steady.limiter_constant = constant;
+    }
+    let (still, _) = case.still()?;
+    let rho = point.density_kg_m3;
+    let found = case.search(&still, search(1.1 * rho, [0.2 * rho, 4.0 * rho], 0.005), |d| {
+        agard::stream(point.speed_m_s, d)
+    })?;
+    let n = found.neutral().ok_or("no flutter point")?;
+    let index = speed_index(point.speed_m_s, n.at);
+    Ok([index, 0.5 * index * n.error / n.at, n.freq_hz])
+}
+
+pub fn like(folder: &Path) -> Outcome<String> {
+    let experiment = agard::experiment()?;
+    let point = experiment.iter().find(|p| p.mach == MACH).ok_or("no such point")?;
+    let measured = speed_index(point.speed_m_s, point.density_kg_m3);
+    let [from, to] = PRESSURE.map(|q| measured * q.sqrt());
+    let theirs = 0.5 * (from + to);
+    let (modes, plate) = closest_plate()?;
+    let mut drawn = Vec::new();
+    for n in 0..DRAWN {
+        let shape = Shape::drawn(n);
+        match shape.grid() {
+            Ok(grid) => drawn.push(Candidate::new(format!("{}", n + 1), shape.row(), grid)?),
+            // Too large a growth or a step that does not fit: no grid.
+            Err(error) => println!("{}: {error}", n + 1),
+        }
+    }
+    drawn.sort_by(|a, b| a.distance().total_cmp(&b.distance()));
+    let count = drawn.len();
+    let shipped = Shape {
+        surface: 32,
+        span: 18,
+        nose: 0.004,
+        tail: 0.008,
+        wall_m: 0.6e-3,
+        root_m: 0.055,
+        tip_m: 0.006,
+        far_m: 6.0,
+    };
+    let shipped_grid = crate::mesh("agard445_ch_euler")?;
+    let shipped = Candidate::new("shipped".to_owned(), shipped.row(), shipped_grid)?;
+
+    let mut page = format!(
+        "## AGARD 445.6: an independent code at Mach 0.96\n\n\
+        Euler flow, C-H grid of 97 x 21 x 29 points (53,760 cells), plate of {PLATE_HZ:?} Hz displaced along z only, U = 309 m/s: flutter at \
+        {} to {} times the experiment's dynamic pressure, index {from:.4} to {to:.4}, {FREQUENCY_HZ} Hz. Neither grid nor plate are at hand. \
+        The plate is ours with the frequencies nearest to those, of all that the thesis leaves open ({plate}). The grid is looked for by \
+        what else is known of it: steady lift and drag at 1 degree, CL {} and CD {} without limiter, {} and {} with van Albada's (ADflow), {} and {} \
+        with CFL3D's smooth limiter. {count} grids of its size are drawn (evenly over steps, extents, cells along chord and span) and ranked by \
+        the distance of ours (without limiter, with a limiter that acts everywhere, with the default) from these, root mean square in units of the spread of the \
+        three pairs; flutter takes no part in the choice. The {NEAREST} nearest and some others are marched by default settings.\n\n\
+        | rank | cells on a surface | on the span | nose, % c | tail, % c | wall, mm | root, mm | tip, mm | far, m | CL, CD without limiter | limiter everywhere | default | distance | speed index | to {theirs:.4} | Hz |\n\
+        |---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|\n",
+        PRESSURE[0], PRESSURE[1], UNLIMITED[0], UNLIMITED[1], LIMITED[0], LIMITED[1], SMOOTH[0], SMOOTH[1],
+    );
+    let mut near = Vec::new();
+    let mut series: [Vec<(f64, f64)>; 3] = Default::default();
+    let ranks = (0..NEAREST).chain(OTHERS).filter(|&rank| rank < count);
+    let marched = ranks.map(|rank| (rank, &drawn[rank])).chain([(usize::MAX, &shipped)]);
+    for (rank, grid) in marched {
+        let [index, error, hz] = flutter(&grid.grid, &modes, None)?;
+        let pairs = grid.coefficients.map(|[cl, cd]| format!("{cl:.5}, {cd:.5}"));
+        let name = if rank == usize::MAX {
+            grid.name.clone()
+        } else {
+            format!("{}", rank + 1)
+        };
+        let _ = writeln!(
+            page,
+            "| {name} | {} | {} | {:.2} | {index:.4} +- {error:.4} | {} | {hz:.2} |",
+            grid.shape,
+            pairs.join(" | "),
+            grid.distance(),
+            percent(index, theirs)
+        );
+        let lift = grid.coefficients[0][0];
+        let group = match rank {
+            usize::MAX => 2,
+            r if r < NEAREST => 0,
+            _ => 1,
+        };
+        series[group].push((lift, index));
+        if group == 0 {
+            near.push((index, hz));
+        }
+    }
+    let mean = |value: fn(&(f64, f64)) -> f64| near.iter().map(value).sum::<f64>() / near.len() as f64;
+    let (index, hz) = (mean(|n| n.0), mean(|n| n.1));
+    let spread = (near.iter().map(|n| (n.0 - index).powi(2)).sum::<f64>() / (near.len() - 1) as f64).sqrt();
+    let within = near.iter().filter(|n| (n.0 / theirs - 1.0).abs() <= 0.03).count();
+    let _ = writeln!(
+        page,
+        "\nThe {NEAREST} nearest: {index:.4}, {} of the independent code's, with a standard deviation of {spread:.4} between them, {within} of {NEAREST} within \
+        3 %; {hz:.2} Hz. At this Mach number the index follows what the grid makes of the lift; the shipped grid of the same size has more lift, and finer \
+        grids more again.\n",
+        percent(index, theirs)
+    );
+    let _ = writeln!(
+        page,
+        "What else the index depends on (the thickness rule of the plate and the limiter; the plate of nodal thicknesses and lumped mass has \
+        9.47, 39.5, 48.9, 94.4 Hz, as near to the thesis's frequencies as the other):\n\n\
+        | grid | plate | limiter constant | speed index | to {theirs:.4} | Hz |\n|---|---|---|---|---|---|"
+    );
+    let lumped = agard::plate("R765", ThicknessRule::Nodal, MassForm::Lumped, 4)?;
+    for (name, grid) in [("rank 1", &drawn[0].grid), ("shipped", &shipped.grid)] {
+        for (plate, modes, constant) in [
+            ("nodal, lumped, R765", &lumped, None),
+            ("as above", &modes, Some(1.0)),
+            ("as above", &modes, Some(0.1)),
+        ] {
+            let [index, error, hz] = flutter(grid, modes, constant)?;
+            let _ = writeln!(
+                page,
+                "| {name} | {plate} | {} | {index:.4} +- {error:.4} | {} | {hz:.2} |",
+                constant.map_or("default".to_owned(), |c| c.to_string()),
+                percent(index, theirs)
+            );
+        }
+    }
+    let [nearest, others, shipped] = series;
+    let chart = Chart::new(
+        "Mach 0.96, C-H grids of 53,760 cells",
+        "CL at 1 degree without limiter",
+        "Flutter speed index",
+    )
+    .series(Series::markers("nearest in lift and drag", nearest, Marker::Circle))
+    .series(Series::markers("others", others, Marker::Square))
+    .series(Series::markers("shipped", shipped, Marker::Diamond))
+    .vline(UNLIMITED[0], "ADflow on the code's grid")
+    .hline(theirs, "independent code")
+    .hline(0.97 * theirs, "3 % below")
+    .hline(1.03 * theirs, "3 % above");
+    fs::write(folder.join("like.svg"), chart.svg(760, 480)?)?;
+    page.push_str("\n![Flutter against lift](like.svg)\n");
+    Ok(page)
+}
