@@ -19,7 +19,9 @@ pub struct LimitCycle {
 /// Cycles that a record must hold before its halves can be compared.
 const LEAST_CYCLES: f64 = 8.0;
 /// Growth below this is none.
-const LEAST_GROWTH: f64 = 0.01;
+const LEAST_GROWTH: f64 = 0.002;
+/// Factor by which the motion must have grown in the first half: a slow transient beside a neutral mode does not.
+const LEAST_FACTOR: f64 = 1.15;
 /// Part of the early growth that may be left.
 const LEFT: f64 = 0.2;
 
@@ -47,7 +49,8 @@ pub fn limit_cycle(histories: &[Vec<f64>], dt_s: f64, settings: &DecaySettings) 
     let Some(first) = same.max_by(|a, b| a.energy.total_cmp(&b.energy)) else {
         return Ok(None);
     };
-    let grows = first.g > LEAST_GROWTH && first.confidence > 0.99;
+    let factor = (first.p_rad_s.re * (samples / 2) as f64 * dt_s).exp();
+    let grows = first.g > LEAST_GROWTH && first.confidence > 0.99 && factor > LEAST_FACTOR;
     Ok((grows && last.g.abs() < LEFT * first.g).then(|| LimitCycle {
         freq_hz: last.freq_hz,
         amplitude: last.amplitude.iter().map(|a| a.norm()).collect(),

@@ -1,7 +1,7 @@
 //! Validation of the aeroelastic march: a section on springs against Possio's equation, Isogai's case A, AGARD 445.6. Writes
 //! `docs/validation/march/`.
 //!
-//! `cargo run --release -p dip-pmb --example validate_march [-- section divergence isogai agard medium own like static sensitivity confidence responses cost]`
+//! `cargo run --release -p dip-pmb --example validate_march [-- section divergence isogai limit agard medium own like static sensitivity confidence responses cost]`
 //! (all by default; about an hour on one core). With no part that it knows, it only puts the page together.
 
 mod agard;
@@ -56,10 +56,11 @@ fn percent(found: f64, reference: f64) -> String {
 
 type Part = (&'static str, fn(&Path) -> Outcome<String>);
 
-const PARTS: [Part; 12] = [
+const PARTS: [Part; 13] = [
     ("section", springs::section),
     ("divergence", springs::divergence),
     ("isogai", springs::isogai),
+    ("limit", springs::limit),
     // What a point's error is made of: before the points.
     ("sensitivity", trust::sensitivity),
     ("confidence", trust::confidence),
