@@ -184,7 +184,7 @@ pub fn limit(folder: &Path) -> Outcome<String> {
     );
     let grid = mesh("naca64a010_unsteady")?;
     let mut chart = Chart::new(
-        format!("Isogai's case A, Mach {MACH}, V_f = {V_F}"),
+        format!("Isogai's case A, Mach {MACH}, V_{{f}} = {V_F}"),
         "Time, s",
         "Amplitude of the wall in mode 1, % of the chord",
     );
