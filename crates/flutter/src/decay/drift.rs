@@ -42,18 +42,18 @@ impl Drift {
             return None;
         }
         let fast: Vec<_> = fit.modes.iter().filter(|m| m.p_rad_s.im >= lowest_rad_s).collect();
-        // Without its fast part, and the fast part, sample by sample of one coordinate.
-        let parts = |c: usize, i: usize| {
-            let t = i as f64 * dt_s;
-            let oscillation: f64 = fast.iter().map(|m| (m.amplitude[c] * (m.p_rad_s * t).exp()).re).sum();
-            [record[c][i] - oscillation, oscillation]
-        };
         let mut energy = [0.0; 2];
-        for (c, k) in stiffness.iter().enumerate() {
-            for i in samples - samples / 4..samples {
-                let [slow, oscillation] = parts(c, i);
-                energy[0] += k * slow * slow;
-                energy[1] += k * oscillation * oscillation;
+        // The record without its fast part `[coordinate][sample]`.
+        let mut slow = record.to_vec();
+        for ((c, rest), k) in slow.iter_mut().enumerate().zip(stiffness) {
+            for (i, rest) in rest.iter_mut().enumerate() {
+                let t = i as f64 * dt_s;
+                let oscillation: f64 = fast.iter().map(|m| (m.amplitude[c] * (m.p_rad_s * t).exp()).re).sum();
+                *rest -= oscillation;
+                if i >= samples - samples / 4 {
+                    energy[0] += k * *rest * *rest;
+                    energy[1] += k * oscillation * oscillation;
+                }
             }
         }
         let whole = energy[0] + energy[1];
@@ -63,13 +63,11 @@ impl Drift {
             rate_error_1_s: f64::INFINITY,
             share,
         };
-        let mean: Vec<f64> = (0..record.len())
-            .map(|c| (half..samples).map(|i| parts(c, i)[0]).sum::<f64>())
-            .collect();
+        let mean: Vec<f64> = slow.iter().map(|s| s[half..].iter().sum()).collect();
         let logarithms: Vec<f64> = (half..samples)
             .map(|i| {
-                let along = mean.iter().zip(stiffness).enumerate();
-                along.map(|(c, (m, k))| k * m * parts(c, i)[0]).sum::<f64>().ln()
+                let along = mean.iter().zip(stiffness).zip(&slow);
+                along.map(|((m, k), s)| k * m * s[i]).sum::<f64>().ln()
             })
             .collect();
         // The logarithm of what is not above zero is no number.

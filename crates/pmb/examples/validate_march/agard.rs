@@ -56,6 +56,13 @@ pub fn experiment() -> Outcome<Vec<Point>> {
     Ok(points)
 }
 
+/// The experiment's point at a Mach number.
+pub fn point(mach: f64) -> Outcome<Point> {
+    let points = experiment()?;
+    let found = points.into_iter().find(|p| p.mach == mach);
+    Ok(found.ok_or_else(|| format!("experiment.csv has no point at Mach {mach}"))?)
+}
+
 /// Frequency of the first torsion mode and mass in the speed index of the experiment.
 const OMEGA_ALPHA_HZ: f64 = 38.1;
 const MASS_KG: f64 = 1.862;

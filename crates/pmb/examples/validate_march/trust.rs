@@ -63,10 +63,7 @@ pub fn sensitivity(_: &Path) -> Outcome<String> {
     let mut sums = String::new();
     let mut uncertainty = String::from("mach,percent_of_speed\n");
     for (mach, first) in [(0.678, 0.215), (0.96, 0.054)] {
-        let point = *agard::experiment()?
-            .iter()
-            .find(|p| p.mach == mach)
-            .ok_or("no such point")?;
+        let point = agard::point(mach)?;
         let mut reference = None;
         // Squares of what a finer step, a smaller tolerance, a smaller start and one mode more change, in per cent of speed.
         let (mut squares, mut identified) = (0.0, 0.0);
@@ -147,10 +144,7 @@ pub fn confidence(_: &Path) -> Outcome<String> {
         (0.96, &[0.05, 0.0527, 0.058]),
         (1.072, &[0.1, 0.112]),
     ] {
-        let point = *agard::experiment()?
-            .iter()
-            .find(|p| p.mach == mach)
-            .ok_or("no such point")?;
+        let point = agard::point(mach)?;
         let mut case = agard::case(&grid, &modes, mach, 0.0)?;
         case.whole = true;
         case.cycles = 12.0;
@@ -209,10 +203,7 @@ pub fn cost(_: &Path) -> Outcome<String> {
     let grid = mesh("agard445_ch_euler")?;
     let modes = agard::modes("yates", 4)?;
     for mach in [0.678, 0.901, 0.96] {
-        let point = *agard::experiment()?
-            .iter()
-            .find(|p| p.mach == mach)
-            .ok_or("no such point")?;
+        let point = agard::point(mach)?;
         let (begin, clock) = (cpu_s(), std::time::Instant::now());
         let case = agard::case(&grid, &modes, mach, 0.0)?;
         let prepared = cpu_s() - begin;
@@ -245,10 +236,7 @@ pub fn responses(folder: &Path) -> Outcome<String> {
     let modes = agard::modes("yates", 4)?;
     let mut charts = Vec::new();
     for (mach, densities) in [(0.678, [0.205, 0.23]), (0.96, [0.05, 0.07])] {
-        let point = *agard::experiment()?
-            .iter()
-            .find(|p| p.mach == mach)
-            .ok_or("no such point")?;
+        let point = agard::point(mach)?;
         let mut case = agard::case(&grid, &modes, mach, 0.0)?;
         case.whole = true;
         case.cycles = 6.0;
