@@ -23,7 +23,7 @@ use std::sync::OnceLock;
 use faer::c64;
 
 use crate::error::{FlutterError, Result, check_value};
-pub use drift::Drift;
+pub use drift::{Drift, has_faded};
 pub use limit_cycle::{LimitCycle, limit_cycle};
 use projection::Projection;
 use subspace::subspace;

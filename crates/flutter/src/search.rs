@@ -20,11 +20,17 @@ pub enum Stability {
     },
     /// The structure moves away without oscillating.
     Divergence,
+    /// It comes to rest without oscillating: stable, but with no damping of a mode to follow.
+    Subsidence,
 }
 
 impl Stability {
     fn is_stable(&self) -> bool {
-        matches!(self, Self::Oscillation { g, .. } if *g < 0.0)
+        match self {
+            Self::Oscillation { g, .. } => *g < 0.0,
+            Self::Divergence => false,
+            Self::Subsidence => true,
+        }
     }
 }
 
@@ -198,19 +204,20 @@ impl Search {
         {
             return SearchStep::Found(found);
         }
-        if self.trials.len() >= self.settings.most_runs {
-            return SearchStep::OutOfRuns(estimate);
-        }
         // The nearest stable value below an unstable one; at constant Mach number more density is less stable.
         let below = self.extreme(true);
         let above = self.extreme(false);
+        if let (Some(b), Some(a)) = (below, above)
+            && a.stability == Stability::Divergence
+            && a.at - b.at <= self.settings.tolerance * a.at
+        {
+            return SearchStep::Divergence([b.at, a.at]);
+        }
+        if self.trials.len() >= self.settings.most_runs {
+            return SearchStep::OutOfRuns(estimate);
+        }
         let wanted = match (below, above, estimate) {
-            (Some(b), Some(a), _) if a.stability == Stability::Divergence => {
-                if a.at - b.at <= self.settings.tolerance * a.at {
-                    return SearchStep::Divergence([b.at, a.at]);
-                }
-                0.5 * (a.at + b.at)
-            }
+            (Some(b), Some(a), _) if a.stability == Stability::Divergence => 0.5 * (a.at + b.at),
             (Some(b), Some(a), Some(found)) => {
                 // Inside the bracket, and off its ends, where a run would say nothing new.
                 let margin = 0.05 * (a.at - b.at).abs();
@@ -290,7 +297,7 @@ impl Search {
                     g_error,
                     freq_hz,
                 }),
-                Stability::Divergence => None,
+                Stability::Divergence | Stability::Subsidence => None,
             })
             .collect();
         // The least stable mode may be another far from the neutral point: only runs that show the mode of the least stable run

@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use dip_flutter::decay::{DecaySettings, Watch, WatchSettings, limit_cycle};
+use dip_flutter::decay::{DecaySettings, Reading, Watch, WatchSettings, limit_cycle};
 use dip_flutter::search::{Search, SearchSettings, SearchStep, Stability, Trial};
 
 fn settings(first: f64) -> SearchSettings {
@@ -342,29 +342,117 @@ fn a_run_does_not_end_before_slow_divergence_is_told_from_a_drift_that_dies_out(
     }
 }
 
+/// A recorded march: the time step and the generalized coordinates `[step][mode]`.
+fn recorded(name: &str) -> (f64, Vec<Vec<f64>>) {
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../tests/data/flutter/").to_owned() + name;
+    let text = std::fs::read_to_string(&path).unwrap();
+    let mut rows: Vec<Vec<f64>> = text
+        .lines()
+        .filter(|l| !l.starts_with('#'))
+        .skip(1)
+        .map(|l| l.split(',').map(|v| v.parse().unwrap()).collect())
+        .collect();
+    let step = rows[1][0] - rows[0][0];
+    for row in &mut rows {
+        row.remove(0);
+    }
+    (step, rows)
+}
+
+/// The reading by which a watch would have ended a recorded march.
+fn known(name: &str, natural_hz: [f64; 4], mass_kg: f64) -> Reading {
+    let (step, rows) = recorded(name);
+    let settings = WatchSettings::new(step, natural_hz.map(|hz| hz * TAU).to_vec(), vec![mass_kg; 4]);
+    let mut watch = Watch::new(settings).unwrap();
+    let known = rows.iter().find_map(|q| watch.push(q).filter(|r| r.known).cloned());
+    known.unwrap_or_else(|| panic!("{name}: {:?}", watch.reading()))
+}
+
 /// The first quarter of an oscillation goes one way only, and a fit makes a growing exponential of it.
 #[test]
 fn the_beginning_of_an_oscillation_is_no_divergence() {
     for (name, g) in [("march_1.072.csv", -0.02334), ("march_0.99.csv", 0.02265)] {
-        let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../tests/data/flutter/").to_owned() + name;
-        let text = std::fs::read_to_string(&path).unwrap();
-        let rows: Vec<Vec<f64>> = text
-            .lines()
-            .filter(|l| !l.starts_with('#'))
-            .skip(1)
-            .map(|l| l.split(',').map(|v| v.parse().unwrap()).collect())
-            .collect();
-        let omega = [9.5992, 38.165, 48.3482, 91.5448].map(|hz| hz * TAU).to_vec();
-        let mut watch = Watch::new(WatchSettings::new(rows[1][0] - rows[0][0], omega, vec![175.127; 4])).unwrap();
-        let known = rows.iter().find_map(|row| {
-            let reading = watch.push(&row[1..])?;
-            reading.known.then(|| reading.clone())
-        });
         // Of the whole record of 8 cycles.
-        let reading = known.unwrap_or_else(|| panic!("{name}: {:?}", watch.reading()));
+        let reading = known(name, [9.5992, 38.165, 48.3482, 91.5448], 175.127);
         assert!(reading.growth.is_none() && reading.samples >= 40, "{name}: {reading:?}");
         assert!((reading.modes[0].g - g).abs() < 0.001, "{name}: {reading:?}");
     }
+}
+
+/// Marches of the forward-swept wing on both sides of its divergence: an oscillation damped so much that nothing is left of it after a few
+/// cycles, then motion that comes to rest without oscillating, then one that goes away, slowly at first. A fit with offsets makes an exponential
+/// that grows at 11 1/s of the last, which grows at 1.3 to 1.6.
+#[test]
+fn marches_on_both_sides_of_divergence_are_told_apart() {
+    let at = |density: &str| {
+        known(
+            &format!("forward_swept_{density}.csv"),
+            [13.7588, 44.6880, 69.1848, 104.6703],
+            1.0,
+        )
+    };
+    for (density, hz) in [("0.36286", 5.455), ("0.39429", 1.8)] {
+        let reading = at(density);
+        let mode = &reading.modes[0];
+        assert!(
+            reading.growth.is_none() && !reading.subsides(),
+            "{density}: {reading:?}"
+        );
+        assert!(
+            mode.g < -0.8 && (mode.freq_hz / hz - 1.0).abs() < 0.02,
+            "{density}: {reading:?}"
+        );
+    }
+    // Rates of the same records after ten cycles.
+    for (density, rate) in [("0.40215", -7.0), ("0.40608", -2.4)] {
+        let reading = at(density);
+        let drift = reading.drift.unwrap();
+        assert!(reading.subsides() && drift.dies(), "{density}: {reading:?}");
+        assert!(
+            (drift.rate_1_s - rate).abs() < 4.0 * drift.rate_error_1_s,
+            "{density}: {reading:?}"
+        );
+    }
+    let reading = at("0.41001");
+    let growth = reading.growth.unwrap();
+    assert!(
+        growth.rate_1_s > 1.0 && growth.rate_1_s < 2.5 && !reading.subsides(),
+        "{reading:?}"
+    );
+}
+
+#[test]
+fn divergence_is_bracketed_from_motion_that_comes_to_rest_without_oscillating() {
+    // Of density: an oscillation damped more and more, then none, then divergence at 0.408.
+    let of = |at: f64| match at {
+        x if x < 0.395 => Stability::Oscillation {
+            g: -0.2 / (0.45 - x),
+            g_error: 1e-3,
+            freq_hz: 40.0 * (0.42 - x),
+        },
+        x if x < 0.408 => Stability::Subsidence,
+        _ => Stability::Divergence,
+    };
+    let settings = SearchSettings {
+        range: [0.05, 4.0],
+        first: 0.38,
+        tolerance: 0.01,
+        most_runs: 8,
+    };
+    let mut search = Search::new(settings, Vec::new()).unwrap();
+    let end = loop {
+        match search.next() {
+            SearchStep::Run(at) => search.add(Trial { at, stability: of(at) }).unwrap(),
+            end => break end,
+        }
+    };
+    let SearchStep::Divergence([stable, divergent]) = end else {
+        panic!("{end:?} after {:?}", search.trials())
+    };
+    assert!(
+        stable < 0.408 && 0.408 <= divergent && divergent - stable < 0.0041,
+        "{end:?}"
+    );
 }
 
 #[test]

@@ -3,6 +3,30 @@
 
 use super::DecayFit;
 
+/// Part of its largest elastic energy below which a motion has died out: what would diverge had a part in the beginning of
+/// it, and that would be left.
+const FADED: f64 = 1e-5;
+
+/// Errors of a rate from which its sign is sure. What a flow remembers of the start decays ever more slowly: half the change from
+/// quarter to quarter is the error of the rate, so four of them are what the rate may yet change in as long again.
+const SURE: f64 = 4.0;
+
+/// Whether the motion of `record` `[coordinate][sample]` about the position of equilibrium has died out in the last quarter;
+/// `stiffness` of each coordinate weighs it.
+#[must_use]
+pub fn has_faded(record: &[Vec<f64>], stiffness: &[f64]) -> bool {
+    let samples = record.first().map_or(0, Vec::len);
+    let (mut largest, mut last) = (0.0_f64, 0.0_f64);
+    for i in 0..samples {
+        let energy: f64 = record.iter().zip(stiffness).map(|(q, k)| k * q[i] * q[i]).sum();
+        largest = largest.max(energy);
+        if i >= samples - samples / 4 {
+            last = last.max(energy);
+        }
+    }
+    last < FADED * largest
+}
+
 /// The part of a motion that does not oscillate.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Drift {
@@ -15,17 +39,16 @@ pub struct Drift {
 }
 
 impl Drift {
-    /// Whether it is sure to die out. What a flow remembers of the start decays ever more slowly: half the change from quarter to
-    /// quarter is the error of the rate, so four of them are what the rate may yet change in as long again.
+    /// Whether it is sure to die out.
     #[must_use]
     pub fn dies(&self) -> bool {
-        self.rate_1_s + 4.0 * self.rate_error_1_s < 0.0
+        self.rate_1_s + SURE * self.rate_error_1_s < 0.0
     }
 
     /// Whether it is sure to grow.
     #[must_use]
     pub fn grows(&self) -> bool {
-        self.rate_1_s > 3.0 * self.rate_error_1_s
+        self.rate_1_s > SURE * self.rate_error_1_s
     }
 
     /// The drift of `record` `[coordinate][sample]` about the position of equilibrium, `dt_s` apart: what is left without the

@@ -2,7 +2,7 @@
 
 use faer::c64;
 
-use super::{DecayFit, DecaySettings, Drift, identify};
+use super::{DecayFit, DecaySettings, Drift, has_faded, identify};
 use crate::error::{Result, check_value};
 
 /// Part of the elastic energy at the end of a record from which a drift counts.
@@ -95,10 +95,24 @@ pub struct Reading {
     /// What moves beside the oscillations, where it holds a good part of the motion at the end of the record: until it is seen to
     /// die out or to grow, the structure may yet diverge.
     pub drift: Option<Drift>,
+    /// True if nothing is left of the motion that it began with.
+    pub faded: bool,
     /// Part of the record that the fit leaves.
     pub residual: f64,
-    /// True if the damping of the least stable mode, or the rate of divergence, is known as well as asked.
+    /// True if the damping of the least stable mode, or the rate of divergence, is known as well as asked, or if the
+    /// motion has died out, or is seen to without an oscillation.
     pub known: bool,
+}
+
+impl Reading {
+    /// Whether what is least stable comes to rest without oscillating: a structure near divergence, whose motion the air damps
+    /// beyond oscillation.
+    #[must_use]
+    pub fn subsides(&self) -> bool {
+        let last = self.drift.filter(|d| d.rate_1_s < 0.0 && d.share > 1.0 - DRIFT_SHARE);
+        let is_least_stable = |d: Drift| self.modes.iter().all(|m| m.p_rad_s.re < d.rate_1_s);
+        self.growth.is_none() && (last.is_some_and(is_least_stable) || self.faded && self.modes.is_empty())
+    }
 }
 
 /// Reads a march as it goes.
@@ -218,7 +232,9 @@ impl Watch {
             .collect();
         modes.sort_by(|a, b| b.g.total_cmp(&a.g));
         let stiffness: Vec<f64> = s.omega_rad_s.iter().zip(&s.mass_kg).map(|(w, m)| m * w * w).collect();
-        let drift = Drift::of(record, s.dt_s, fit, slowest_rad_s, &stiffness).filter(|d| d.share >= DRIFT_SHARE);
+        let faded = has_faded(record, &stiffness);
+        let drift =
+            Drift::of(record, s.dt_s, fit, slowest_rad_s, &stiffness).filter(|d| !faded && d.share >= DRIFT_SHARE);
         if drift.is_some() && modes.iter().any(|m| m.p_rad_s.im >= slowest_rad_s) {
             modes.retain(|m| m.p_rad_s.im >= slowest_rad_s);
         }
@@ -237,6 +253,8 @@ impl Watch {
             // A drift that has not grown by e within the record may be the beginning of anything.
             .filter(|g| g.rate_1_s * duration >= 1.0 && g.rate_1_s > 3.0 * g.rate_error_1_s)
             .filter(|g| g.energy >= s.least_energy)
+            // An exponential of a fit with offsets stands for the beginning of any transient; growth itself is in the record.
+            .filter(|g| drift.is_some_and(|d| d.grows() && (g.rate_1_s - d.rate_1_s).abs() < 0.5 * d.rate_1_s))
             .max_by(|a, b| a.rate_1_s.total_cmp(&b.rate_1_s));
         let lowest = lowest_rad_s / std::f64::consts::TAU;
         let known_growth = grown.is_some_and(|g| {
@@ -252,8 +270,15 @@ impl Watch {
                 energy: d.share,
             });
         let dies = drift.is_none_or(|d| d.dies());
+        // Overdamped, or nearly so. The first half-wave of an oscillation dies down too, but is over before a cycle is.
+        let overdamped = modes.is_empty() && drift.is_some_and(|d| d.dies());
+        let at_rest = (faded || overdamped) && duration * lowest >= s.least_cycles;
         let diverges = known_growth || slow.is_some();
         let grown = grown.or(slow);
+        if grown.is_some() {
+            // Two real roots that grow, as a fit may see them.
+            modes.retain(|m| m.p_rad_s.im >= slowest_rad_s);
+        }
         let clear = |m: &WatchedMode| {
             m.g_error < s.accuracy.max(s.relative * m.g.abs()) && duration * m.freq_hz >= s.least_cycles
         };
@@ -266,8 +291,9 @@ impl Watch {
             growth: grown,
             residual: fit.residual,
             modes,
-            known: settled && dies || diverges,
+            known: settled && dies || diverges || at_rest,
             drift,
+            faded,
         }
     }
 }

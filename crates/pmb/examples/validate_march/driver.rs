@@ -3,7 +3,7 @@
 use std::error::Error;
 use std::sync::atomic::AtomicBool;
 
-use dip_flutter::decay::{Watch, WatchSettings};
+use dip_flutter::decay::{Reading, Watch, WatchSettings};
 use dip_flutter::search::{Neutral, Search, SearchSettings, SearchStep, Stability, Trial};
 use dip_grid::MultiBlock;
 use dip_modal::{ModalState, StepScheme};
@@ -61,6 +61,8 @@ pub struct Row {
     pub g_error: f64,
     /// Its frequency, Hz.
     pub freq_hz: f64,
+    /// True if what was least stable came to rest without oscillating.
+    pub subsides: bool,
     /// Rate of a growth without oscillation that outgrows it, 1/s.
     pub divergence_1_s: Option<f64>,
     /// Steps taken.
@@ -231,10 +233,12 @@ impl Case {
             .map_or((f64::NAN, f64::NAN, f64::NAN), |m| (m.g, m.g_error, m.freq_hz));
         let sigma = mode.as_ref().map_or(f64::NEG_INFINITY, |m| m.p_rad_s.re);
         let growth = reader.watch.reading().and_then(|r| r.growth);
+        let subsides = reader.watch.reading().is_some_and(Reading::subsides);
         let row = Row {
             g,
             g_error,
             freq_hz,
+            subsides,
             divergence_1_s: growth.map(|g| g.rate_1_s).filter(|rate| *rate > sigma),
             steps: result.states.len() - 1,
             products: result.products,
@@ -261,7 +265,9 @@ impl Case {
                 end => break end,
             };
             let row = self.march(still, at, stream(at), search.damping_accuracy())?;
-            let stability = if row.divergence_1_s.is_none() && row.g.is_finite() && row.g_error.is_finite() {
+            let stability = if row.subsides {
+                Stability::Subsidence
+            } else if row.divergence_1_s.is_none() && row.g.is_finite() && row.g_error.is_finite() {
                 Stability::Oscillation {
                     g: row.g,
                     g_error: row.g_error,

@@ -1,4 +1,4 @@
-//! What the motion of a run does: decays, grows, keeps a limit cycle, or diverges.
+//! What the motion of a run does: decays, grows, keeps a limit cycle, comes to rest, or diverges.
 
 use super::summary::ModeRow;
 use dip_flutter::decay::{DecaySettings, LimitCycle, Reading, WatchedMode, limit_cycle};
@@ -37,6 +37,8 @@ pub enum Motion {
     LimitCycle(LimitCycle),
     /// It goes away without oscillating, at this rate, 1/s, where that could be read.
     Diverges(Option<f64>),
+    /// It comes to rest without oscillating, at this rate, 1/s, below zero, where that could be read.
+    Subsides(Option<f64>),
 }
 
 /// What a run has shown: `record` are the generalized coordinates about their mean, `[mode][step]`, `reading` the last look at
@@ -45,6 +47,9 @@ pub fn motion(reading: Option<&Reading>, record: &[Vec<f64>], step_s: f64, settl
     let growth = reading.and_then(|r| r.growth);
     if !settled {
         return Motion::Diverges(growth.map(|g| g.rate_1_s));
+    }
+    if let Some(r) = reading.filter(|r| r.subsides()) {
+        return Motion::Subsides(r.drift.filter(|d| d.rate_error_1_s.is_finite()).map(|d| d.rate_1_s));
     }
     let Some(mode) = reading.and_then(|r| r.modes.first()) else {
         return Motion::Diverges(growth.map(|g| g.rate_1_s));
@@ -87,6 +92,7 @@ impl Motion {
                 freq_hz: c.freq_hz,
             },
             Self::Diverges(_) => Stability::Divergence,
+            Self::Subsides(_) => Stability::Subsidence,
         }
     }
 
@@ -99,6 +105,8 @@ impl Motion {
             Self::LimitCycle(c) => format!("limit cycle at {:.2} Hz", c.freq_hz),
             Self::Diverges(Some(rate)) => format!("diverges at {rate:.3} 1/s"),
             Self::Diverges(None) => "diverges".to_owned(),
+            Self::Subsides(Some(rate)) => format!("comes to rest without oscillating, at {rate:.3} 1/s"),
+            Self::Subsides(None) => "comes to rest without oscillating".to_owned(),
         }
     }
 }
@@ -214,6 +222,25 @@ mod tests {
             "{motion:?}"
         );
         assert!(motion.words().contains("limit cycle at 14.00 Hz"));
+    }
+
+    #[test]
+    fn motion_that_comes_to_rest_without_oscillating_is_stable() {
+        let rests = |rate: f64| {
+            of(4.0, move |t| {
+                let slow = (rate * t).exp() - (-90.0 * t).exp();
+                [slow, 0.1 * slow + 0.01 * wave(38.0, -0.1, t)]
+            })
+            .0
+        };
+        let motion = rests(-4.0);
+        let Motion::Subsides(Some(rate)) = motion else {
+            panic!("{motion:?}")
+        };
+        assert!((rate + 4.0).abs() < 0.2, "{rate}");
+        assert_eq!(motion.stability(), Stability::Subsidence);
+        assert!(motion.words().starts_with("comes to rest without oscillating, at -"));
+        assert!(matches!(rests(4.0), Motion::Diverges(Some(_))));
     }
 
     #[test]

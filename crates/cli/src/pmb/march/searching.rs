@@ -126,6 +126,7 @@ impl March<'_> {
 fn stability(row: &TrialRow) -> Stability {
     match (row.diverges, row.g, row.g_error, row.frequency_hz) {
         (false, Some(g), Some(g_error), Some(freq_hz)) => Stability::Oscillation { g, g_error, freq_hz },
-        _ => Stability::Divergence,
+        (false, ..) => Stability::Subsidence,
+        (true, ..) => Stability::Divergence,
     }
 }

@@ -104,7 +104,7 @@ impl March<'_> {
         let motion = motion(reading, &listener.damping.record(), settings.step_s, mean.settled);
         let (g, g_error, frequency_hz) = match motion.stability() {
             Stability::Oscillation { g, g_error, freq_hz } => (Some(g), Some(g_error), Some(freq_hz)),
-            Stability::Divergence => (None, None, None),
+            Stability::Divergence | Stability::Subsidence => (None, None, None),
         };
         let diverges = matches!(motion, Motion::Diverges(_));
         let cost = Cost::new(&result.seconds, mean_position_s, listener.reading_s);
