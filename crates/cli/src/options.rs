@@ -22,7 +22,7 @@ pub struct Common {
     /// Threads to use (default: all cores); results do not depend on it
     #[arg(long, value_name = "N")]
     pub threads: Option<usize>,
-    /// Say nothing on stderr but errors
+    /// Say nothing on stderr but warnings (the reasons of exit code 3) and errors
     #[arg(short, long)]
     pub quiet: bool,
     /// Say more on stderr (repeat for more)
@@ -37,7 +37,8 @@ impl Common {
     /// `--threads 0`.
     pub fn start(&self) -> Result<(), Stop> {
         let level = match (self.quiet, self.verbose) {
-            (true, _) => tracing::Level::ERROR,
+            // Exit code 3 asks the user to look at a warning: that must be there to look at.
+            (true, _) => tracing::Level::WARN,
             (false, 0) => tracing::Level::INFO,
             (false, 1) => tracing::Level::DEBUG,
             (false, _) => tracing::Level::TRACE,

@@ -81,6 +81,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             "--chord" => settings.reference.chord = value()?.parse()?,
             "--x" => settings.reference.moment_point[0] = value()?.parse()?,
             "--limiter" => settings.limiter_constant = value()?.parse()?,
+            "--koren" => settings.reconstruction = Reconstruction::Koren,
             "--unlimited" => settings.reconstruction = Reconstruction::Unlimited,
             "--vortex" => settings.far_field = FarField::Vortex,
             "--orders" => settings.solver.orders = value()?.parse()?,

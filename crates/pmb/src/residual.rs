@@ -13,7 +13,7 @@ use crate::flux::flux_osher;
 use crate::gas::{Gas, VARIABLES};
 use crate::level::{FaceSet, Level, LevelBlock};
 use crate::real::{LANES, Lanes, Packed};
-use crate::reconstruct::{Reconstruction, muscl};
+use crate::reconstruct::{Koren, Mean, Reconstruction, VanAlbada, muscl};
 use crate::scheme::Scheme;
 
 /// Planes of cells in a slab of a three-dimensional block, rows in one of a planar block.
@@ -39,6 +39,7 @@ pub fn residual_then<G: Gas>(
         Reconstruction::Constant => residual_as::<G, 0>(gas, level, scheme, field, sides, out, finish),
         Reconstruction::Unlimited => residual_as::<G, 1>(gas, level, scheme, field, sides, out, finish),
         Reconstruction::VanAlbada => residual_as::<G, 2>(gas, level, scheme, field, sides, out, finish),
+        Reconstruction::Koren => residual_as::<G, 3>(gas, level, scheme, field, sides, out, finish),
     }
 }
 
@@ -255,16 +256,12 @@ impl<G: Gas, const ORDER: u8> Rows<'_, G, ORDER> {
             b[v] = T::load(w, right - stride);
             c[v] = T::load(w, right);
         }
-        let (left, right) = match ORDER {
-            0 => (*b, *c),
-            1 => {
-                let [l, r] = muscl::<T, false>(a, b, c, d, &[zero; 3]);
-                (l, r)
-            }
-            _ => {
-                let [l, r] = muscl::<T, true>(a, b, c, d, &self.scheme.limiter_squared.map(T::splat));
-                (l, r)
-            }
+        let e2 = self.scheme.limiter_squared.map(T::splat);
+        let [left, right] = match ORDER {
+            0 => [*b, *c],
+            1 => muscl::<T, Mean>(a, b, c, d, &e2),
+            2 => muscl::<T, VanAlbada>(a, b, c, d, &e2),
+            _ => muscl::<T, Koren>(a, b, c, d, &e2),
         };
         let normal = [
             T::load(&set.normal[0], face),

@@ -94,7 +94,7 @@ pub struct SteadyTable {
     /// How states at cell faces are made from cell values.
     #[serde(default)]
     pub reconstruction: ReconstructionKind,
-    /// Constant of van Albada's limiter: larger limits less.
+    /// Constant of the limiter: larger limits less.
     pub limiter_constant: Option<f64>,
     /// Steps between restart files; 50 if left out. One is written at the end in any case.
     pub checkpoint: Option<usize>,
@@ -122,6 +122,8 @@ pub enum ReconstructionKind {
     /// Second order with van Albada's limiter.
     #[default]
     VanAlbada,
+    /// Third-order upwind-biased (kappa = 1/3) with Koren's limiter.
+    Koren,
     /// Second order without limiter; for flow without shocks.
     Unlimited,
     /// First order.

@@ -40,6 +40,7 @@ pub fn settings(document: &Document, file: &SteadyFile) -> Result<SteadySettings
     };
     s.reconstruction = match t.reconstruction {
         ReconstructionKind::VanAlbada => Reconstruction::VanAlbada,
+        ReconstructionKind::Koren => Reconstruction::Koren,
         ReconstructionKind::Unlimited => Reconstruction::Unlimited,
         ReconstructionKind::FirstOrder => Reconstruction::Constant,
     };

@@ -52,7 +52,7 @@ pub struct Args {
     /// Write over older files
     #[arg(long)]
     force: bool,
-    /// Say nothing on stderr but errors
+    /// Say nothing on stderr but warnings (the reasons of exit code 3) and errors
     #[arg(short, long)]
     quiet: bool,
 }

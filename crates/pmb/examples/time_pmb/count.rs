@@ -87,11 +87,13 @@ fn face<R>(work: impl FnOnce([Counted; 5], [Counted; 5], [Counted; 3]) -> R) -> 
 
 /// Operations a cell of a three-dimensional residual: three faces, and the sums over the faces.
 pub fn residual(reconstruction: dip_pmb::reconstruct::Reconstruction) -> u64 {
-    use dip_pmb::reconstruct::Reconstruction;
+    use dip_pmb::reconstruct::{Koren, Mean, Reconstruction, VanAlbada};
+    let e2 = [Counted(1e-3); 3];
     let states = face(|l, r, _| match reconstruction {
         Reconstruction::Constant => [l, r],
-        Reconstruction::Unlimited => muscl::<_, false>(&r, &l, &r, &l, &[Counted(1e-3); 3]),
-        Reconstruction::VanAlbada => muscl::<_, true>(&r, &l, &r, &l, &[Counted(1e-3); 3]),
+        Reconstruction::Unlimited => muscl::<_, Mean>(&r, &l, &r, &l, &e2),
+        Reconstruction::VanAlbada => muscl::<_, VanAlbada>(&r, &l, &r, &l, &e2),
+        Reconstruction::Koren => muscl::<_, Koren>(&r, &l, &r, &l, &e2),
     });
     let flux = face(|l, r, n| flux_osher(&Diatomic, &l, &r, &n, Counted(0.0)));
     3 * (states + flux + 5) + 5 * 5

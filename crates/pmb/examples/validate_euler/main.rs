@@ -1,10 +1,11 @@
 //! Validation of steady Euler flow: order of accuracy, NACA 0012, ONERA M6, AGARD 445.6, convergence on all shipped grids.
 //! Writes `docs/validation/euler/`.
 //!
-//! `cargo run --release -p dip-pmb --example validate_euler [-- oneram6 naca shipped order agard]` (all by default; half an hour
+//! `cargo run --release -p dip-pmb --example validate_euler [-- oneram6 naca shipped order limiters agard]` (all by default; half an hour
 //! of one core).
 
 mod agard;
+mod limiters;
 mod naca;
 mod oneram6;
 mod order;
@@ -150,7 +151,11 @@ fn page(folder: &Path) -> Outcome<()> {
         }
     }
     text += "\n![History at Mach 0.96](agard445_m960_history.svg)\n\n\
-             ## Convergence on all shipped grids\n\n\
+             ## Limiters\n\n\
+             Van Albada's limiter (default) and Koren's of the third-order upwind-biased scheme (`reconstruction = \"koren\"`), both with the default\n\
+             constant, 5.\n\n";
+    text += &table("limiters");
+    text += "\n## Convergence on all shipped grids\n\n\
              The aerofoils at the inviscid conditions of AGARD AR-211 and others, the wing over its range of Mach numbers; coefficients are of\n\
              an area and a chord of one grid unit. By default settings, no number changed for any case. `rae2822_c` is a grid for viscous flow (first cells of\n\
              y+ 1), shown for what it does to inviscid flow: the residual hangs.\n\n";
@@ -169,6 +174,7 @@ fn main() -> Outcome<()> {
         ("naca", naca::naca),
         ("shipped", shipped::shipped),
         ("order", order::order),
+        ("limiters", limiters::limiters),
         ("agard", agard::agard),
     ] {
         if asked.is_empty() || asked.iter().any(|a| a == name) {

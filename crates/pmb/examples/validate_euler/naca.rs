@@ -11,7 +11,8 @@ use dip_report::{CpCut, cp_cuts};
 
 use crate::{HEADER, Outcome, curve, settings, steady, write_history};
 
-fn naca0012(surface: usize) -> Outcome<MultiBlock> {
+/// The C grid with so many cells along each side, in two blocks.
+pub fn naca0012(surface: usize) -> Outcome<MultiBlock> {
     let h = 128.0 / surface as f64;
     let mut grid = AerofoilGrid {
         kind: AerofoilKind::C,

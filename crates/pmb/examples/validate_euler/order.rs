@@ -57,6 +57,7 @@ pub fn order(folder: &Path) -> Outcome<String> {
         for (limiter, reconstruction) in [
             ("none", Reconstruction::Unlimited),
             ("van Albada", Reconstruction::VanAlbada),
+            ("Koren", Reconstruction::Koren),
         ] {
             write!(text, "| {name} | {limiter} |")?;
             let mut points: Vec<(f64, f64)> = Vec::new();
@@ -70,7 +71,12 @@ pub fn order(folder: &Path) -> Outcome<String> {
                 points.push((n as f64, e));
             }
             text.push('\n');
-            curves[usize::from(limiter != "none")].push((name, points));
+            // Koren's curves would hide van Albada's: in the table only.
+            match reconstruction {
+                Reconstruction::Unlimited => curves[0].push((name, points)),
+                Reconstruction::VanAlbada => curves[1].push((name, points)),
+                _ => (),
+            }
         }
     }
     // One colour a case: the limited curves come again in the order of the others, hollow.

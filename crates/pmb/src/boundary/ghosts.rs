@@ -4,7 +4,7 @@ use crate::boundary::Boundary;
 use crate::field::{set_state, state_at};
 use crate::gas::State;
 use crate::level::{Level, LevelBlock, LevelPatch};
-use crate::reconstruct::{Reconstruction, guarded, slope_van_albada};
+use crate::reconstruct::{Reconstruction, guarded, slope_koren, slope_van_albada};
 use crate::scheme::Scheme;
 
 /// Fills the ghost cells behind every boundary patch of block `b`, whose array is `w`, from the block's own cells.
@@ -74,10 +74,10 @@ fn extrapolated(c1: &State<f64>, c2: &State<f64>, c3: &State<f64>, scheme: &Sche
             _ => 1,
         }];
         let (d1, d2) = (c1[v] - c2[v], c2[v] - c3[v]);
-        let slope = if scheme.reconstruction == Reconstruction::VanAlbada {
-            slope_van_albada(d1, d2, e2)
-        } else {
-            d1
+        let slope = match scheme.reconstruction {
+            Reconstruction::VanAlbada => slope_van_albada(d1, d2, e2),
+            Reconstruction::Koren => slope_koren(d1, d2, e2),
+            Reconstruction::Constant | Reconstruction::Unlimited => d1,
         };
         near[v] = c1[v] + slope;
         far[v] = near[v] + slope;

@@ -9,7 +9,7 @@ use crate::field::{Field, state_at};
 use crate::gas::{Gas, State, VARIABLES};
 use crate::level::{Level, LevelBlock, LevelPatch};
 use crate::real::Dual;
-use crate::reconstruct::{Reconstruction, muscl};
+use crate::reconstruct::{Koren, Mean, Reconstruction, VanAlbada, muscl};
 use crate::scheme::Scheme;
 
 /// Fluxes through the boundary faces of one side.
@@ -119,16 +119,13 @@ fn fill_patch<G: Gas>(
             let first = cell(0);
             let second = if deep > 1 { cell(1) } else { first };
             // The right state of the face between ghost and cell; the cell beyond the ghost does not enter it.
+            let ghost = cell(-1);
+            let e2 = &scheme.limiter_squared;
             let inside = match scheme.reconstruction {
                 Reconstruction::Constant => first,
-                Reconstruction::Unlimited => {
-                    let ghost = cell(-1);
-                    muscl::<f64, false>(&ghost, &ghost, &first, &second, &scheme.limiter_squared)[1]
-                }
-                Reconstruction::VanAlbada => {
-                    let ghost = cell(-1);
-                    muscl::<f64, true>(&ghost, &ghost, &first, &second, &scheme.limiter_squared)[1]
-                }
+                Reconstruction::Unlimited => muscl::<f64, Mean>(&ghost, &ghost, &first, &second, e2)[1],
+                Reconstruction::VanAlbada => muscl::<f64, VanAlbada>(&ghost, &ghost, &first, &second, e2)[1],
+                Reconstruction::Koren => muscl::<f64, Koren>(&ghost, &ghost, &first, &second, e2)[1],
             };
             let (n, speed, area) = outward(block, patch.face, p, q);
             let flux = flux_boundary(gas, boundary, index, &inside, &n, speed);

@@ -12,7 +12,6 @@ use super::{SteadyResult, StopReason, open_level};
 use crate::error::FlowError;
 use crate::loads::{WallGeometry, integrate};
 use crate::observer::{Observer, Progress};
-use crate::reconstruct::Reconstruction;
 use crate::restart::Snapshot;
 use crate::scheme::Scheme;
 use crate::sequence::{Sequence, prolong};
@@ -202,8 +201,7 @@ impl<'a> Run<'a> {
     fn raise_limiter_constant(&mut self, observer: &mut dyn Observer) {
         const MOST: f64 = 8.0;
         (self.best, self.since_best) = (f64::NEG_INFINITY, 0);
-        if self.settings.reconstruction != Reconstruction::VanAlbada
-            || self.limiter_constant >= MOST * self.settings.limiter_constant
+        if !self.settings.reconstruction.is_limited() || self.limiter_constant >= MOST * self.settings.limiter_constant
         {
             return;
         }

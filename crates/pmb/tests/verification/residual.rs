@@ -54,10 +54,11 @@ fn wavy(cells: [usize; 3]) -> BoxGrid {
     BoxGrid::new([0.0; 3], [1.0, 0.8, 1.2], cells).wavy(0.05)
 }
 
-const SCHEMES: [Reconstruction; 3] = [
+const SCHEMES: [Reconstruction; 4] = [
     Reconstruction::Constant,
     Reconstruction::Unlimited,
     Reconstruction::VanAlbada,
+    Reconstruction::Koren,
 ];
 
 #[test]

@@ -23,7 +23,7 @@ pub struct Args {
     /// Print the report as JSON on stdout
     #[arg(long)]
     json: bool,
-    /// Say nothing on stderr but errors
+    /// Say nothing on stderr but warnings (the reasons of exit code 3) and errors
     #[arg(short, long)]
     quiet: bool,
 }

@@ -33,7 +33,7 @@ pub struct Args {
     /// Write over an older file
     #[arg(long)]
     force: bool,
-    /// Say nothing on stderr but errors
+    /// Say nothing on stderr but warnings (the reasons of exit code 3) and errors
     #[arg(short, long)]
     quiet: bool,
 }
