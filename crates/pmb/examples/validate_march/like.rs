@@ -263,7 +263,7 @@ pub fn like(folder: &Path) -> Outcome<String> {
     .replace("THEIRS", &format!("{theirs:.4}"));
     let mut ratios = Vec::new();
     let mut near = Vec::new();
-    let mut series: [Vec<(f64, f64)>; 3] = Default::default();
+    let mut series: [Vec<(f64, f64)>; 4] = Default::default();
     let ranks = (0..NEAREST).chain(OTHERS).filter(|&rank| rank < count);
     let marched = ranks.map(|rank| (rank, &drawn[rank])).chain([(usize::MAX, &shipped)]);
     for (rank, grid) in marched {
@@ -299,6 +299,7 @@ pub fn like(folder: &Path) -> Outcome<String> {
             _ => 1,
         };
         series[group].push((lift, index));
+        series[3].push((lift, as_index));
         if group == 0 {
             near.push((index, hz));
         }
@@ -350,7 +351,7 @@ pub fn like(folder: &Path) -> Outcome<String> {
             );
         }
     }
-    let [nearest, others, shipped] = series;
+    let [nearest, others, shipped, scheme_of_code] = series;
     let chart = Chart::new(
         "Mach 0.96, C-H grids of 53,760 cells",
         "CL at 1 degree without limiter",
@@ -359,6 +360,7 @@ pub fn like(folder: &Path) -> Outcome<String> {
     .series(Series::markers("nearest in lift and drag", nearest, Marker::Circle))
     .series(Series::markers("others", others, Marker::Square))
     .series(Series::markers("shipped", shipped, Marker::Diamond))
+    .series(Series::markers("the same grids, CFL3D's scheme", scheme_of_code, Marker::Circle).hollow())
     .vline(UNLIMITED[0], "ADflow on the code's grid")
     .hline(theirs, "independent code")
     .hline(0.97 * theirs, "3 % below")

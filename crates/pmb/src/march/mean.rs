@@ -7,6 +7,7 @@ use dip_grid::MultiBlock;
 use serde::{Deserialize, Serialize};
 
 use super::Wing;
+use super::quasi_newton::Broyden;
 use crate::couple::{Coupled, Stream};
 use crate::dual_time::{DualTime, DualTimeSettings, TimeScheme};
 use crate::error::FlowError;
@@ -83,7 +84,7 @@ impl MeanFlow {
 pub struct DeflectionSettings {
     /// Change of position, over the position, at which it has settled.
     pub tolerance: f64,
-    /// Part of the first change that is taken; those after follow from it (Aitken).
+    /// Part of the first change that is taken; those after follow from what it did (Broyden).
     pub relaxation: f64,
     /// Exchanges at most.
     pub most: usize,
@@ -132,13 +133,14 @@ pub fn rigid(
     }))
 }
 
-/// The position in which the structure holds the steady load at a stream: exchanges of load and position, each change
-/// relaxed by Aitken's rule, from the flow `from`. `None` if it was interrupted.
+/// The position in which the structure holds the steady load at a stream: exchanges of load and position, the changes by
+/// Broyden's method, from the flow `from`. `None` if it was interrupted.
 ///
-/// A position that does not settle says so ([`MeanFlow::settled`]): the structure diverges, or nearly so.
+/// A position that does not settle says so ([`MeanFlow::settled`]), as does one so far away that cells fold or the flow breaks
+/// down: the structure diverges, or nearly so.
 ///
 /// # Errors
-/// A rigid body mode under load, a folded cell, an impossible flow.
+/// A rigid body mode under load, what the linear algebra says.
 pub fn deflected(
     settings: &SteadySettings,
     deflection: &DeflectionSettings,
@@ -159,7 +161,7 @@ pub fn deflected(
         let squares = q.iter().zip(&wing.largest).map(|(q, l)| (q * l).powi(2));
         squares.sum::<f64>().sqrt()
     };
-    let (mut relaxation, mut last): (f64, Option<Vec<f64>>) = (deflection.relaxation, None);
+    let mut broyden = Broyden::new(q.len(), deflection.relaxation);
     mean.settled = false;
     for exchange in 1..=deflection.most {
         if cancel.load(Ordering::Relaxed) {
@@ -173,35 +175,26 @@ pub fn deflected(
             mean.settled = true;
             break;
         }
-        if let Some(last) = &last {
-            relaxation = aitken(relaxation, last, &change, &wing.largest);
+        let good = (q.clone(), still.flow.solver.unknowns.clone(), still.loads());
+        // In displacements of the wall, so that modes of any scale count alike.
+        let moved: Vec<f64> = change.iter().zip(&wing.largest).map(|(c, l)| c * l).collect();
+        for ((q, step), l) in q.iter_mut().zip(broyden.step(&moved)).zip(&wing.largest) {
+            *q += step / l;
         }
-        for (q, c) in q.iter_mut().zip(&change) {
-            *q += relaxation * c;
+        match still.solve(&q) {
+            Ok(()) => (),
+            // Farther than the grid or the flow follows: the march tells what the structure does from the last position before.
+            Err(FlowError::Volume { .. } | FlowError::State { .. }) => {
+                (mean.q, mean.unknowns, mean.loads) = good;
+                return Ok(Some(mean));
+            }
+            Err(error) => return Err(error),
         }
-        last = Some(change);
-        still.solve(&q)?;
     }
     mean.loads = still.loads();
     mean.unknowns.clone_from(&still.flow.solver.unknowns);
     mean.q = q;
     Ok(Some(mean))
-}
-
-/// Aitken's factor for the next change from the one before: `-w r . (r' - r) / |r' - r|^2`, in displacements of the wall, kept
-/// between 0.05 and 1.5.
-fn aitken(relaxation: f64, last: &[f64], change: &[f64], weight: &[f64]) -> f64 {
-    let (mut product, mut square) = (0.0, 0.0);
-    for ((l, c), w) in last.iter().zip(change).zip(weight) {
-        let d = (c - l) * w;
-        product += l * w * d;
-        square += d * d;
-    }
-    if square > 0.0 {
-        (-relaxation * product / square).clamp(0.05, 1.5)
-    } else {
-        relaxation
-    }
 }
 
 /// A flow without time: steps so long that nothing is left of their inertia.

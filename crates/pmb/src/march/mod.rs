@@ -8,6 +8,7 @@
 mod kept;
 pub mod mean;
 mod observe;
+mod quasi_newton;
 mod run;
 mod settings;
 

@@ -198,13 +198,20 @@ fn warnings(march: &March<'_>, searched: &Searched) -> Vec<String> {
                 "{place}: divergence: the wing moves away without oscillating{rate}"
             ));
         }
-        if let Some(drift) = &t.drift {
-            let error = drift.rate_error_1_s.map_or_else(String::new, |e| format!(" +- {e:.2}"));
+        if !t.settled {
             warnings.push(format!(
-                "{place}: divergence cannot be told from a drift that dies out: {:.0} % of the energy at the end does not oscillate, growing at {:.2}{error} 1/s; give \
+                "{place}: the position in which the structure holds the steady load was not found: it is beyond divergence, near it, or the flow is not steady"
+            ));
+        }
+        if let Some(drift) = &t.drift {
+            let rate = drift.rate_error_1_s.map_or_else(
+                || "at a rate that changes its sign".to_owned(),
+                |e| format!("growing at {:.2} +- {e:.2} 1/s", drift.rate_1_s),
+            );
+            warnings.push(format!(
+                "{place}: divergence cannot be told from a drift that dies out: {:.0} % of the energy at the end does not oscillate, {rate}; give \
                 more march.cycles",
-                100.0 * drift.share,
-                drift.rate_1_s
+                100.0 * drift.share
             ));
         }
         if let Some(c) = &t.limit_cycle {

@@ -45,7 +45,8 @@ pub enum Motion {
 /// them; `settled` says whether the steady load could be held at all.
 pub fn motion(reading: Option<&Reading>, record: &[Vec<f64>], step_s: f64, settled: bool) -> Motion {
     let growth = reading.and_then(|r| r.growth);
-    if !settled {
+    // A position that was not found in time may be held all the same: what moves about it decides, where it could be read.
+    if !settled && reading.is_none_or(|r| !r.known) {
         return Motion::Diverges(growth.map(|g| g.rate_1_s));
     }
     if let Some(r) = reading.filter(|r| r.subsides()) {

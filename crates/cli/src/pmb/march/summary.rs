@@ -50,6 +50,9 @@ pub struct TrialRow {
     /// Rate at which it does, 1/s, where that could be read.
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub growth_1_s: Option<f64>,
+    /// False if the position in which the structure holds the steady load was not found: the motion is about another one.
+    #[serde(default = "yes")]
+    pub settled: bool,
     /// What moved beside the oscillations when the run ended, if it was seen neither to die out nor to grow.
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub drift: Option<DriftRow>,
@@ -78,6 +81,11 @@ pub struct TrialRow {
     pub seconds: Seconds,
     /// Where its wall time went.
     pub cost: Cost,
+}
+
+/// Runs of before the key was there.
+fn yes() -> bool {
+    true
 }
 
 /// A motion without oscillation that may yet turn out to be divergence.

@@ -121,6 +121,7 @@ impl March<'_> {
             frequency_hz,
             modes: reading.map_or_else(Vec::new, |r| named(&r.modes, equations)),
             diverges,
+            settled: mean.settled,
             growth_1_s: if let Motion::Diverges(rate) = motion {
                 rate
             } else {
