@@ -272,7 +272,7 @@ impl Watch {
         let dies = drift.is_none_or(|d| d.dies());
         // Overdamped, or nearly so. The first half-wave of an oscillation dies down too, but is over before a cycle is.
         let overdamped = modes.is_empty() && drift.is_some_and(|d| d.dies());
-        let at_rest = (faded || overdamped) && duration * lowest >= s.least_cycles;
+        let at_rest = (faded && modes.iter().all(|m| m.g < 0.0) || overdamped) && duration * lowest >= s.least_cycles;
         let diverges = known_growth || slow.is_some();
         let grown = grown.or(slow);
         if grown.is_some() {
