@@ -162,6 +162,8 @@ pub fn deflected(
         squares.sum::<f64>().sqrt()
     };
     let mut broyden = Broyden::new(q.len(), deflection.relaxation);
+    // Displacements of the wall, so that modes of any scale count alike; a mode that does not move it counts by itself.
+    let scale: Vec<f64> = wing.largest.iter().map(|l| if *l > 0.0 { *l } else { 1.0 }).collect();
     mean.settled = false;
     for exchange in 1..=deflection.most {
         if cancel.load(Ordering::Relaxed) {
@@ -176,9 +178,8 @@ pub fn deflected(
             break;
         }
         let good = (q.clone(), still.flow.solver.unknowns.clone(), still.loads());
-        // In displacements of the wall, so that modes of any scale count alike.
-        let moved: Vec<f64> = change.iter().zip(&wing.largest).map(|(c, l)| c * l).collect();
-        for ((q, step), l) in q.iter_mut().zip(broyden.step(&moved)).zip(&wing.largest) {
+        let moved: Vec<f64> = change.iter().zip(&scale).map(|(c, l)| c * l).collect();
+        for ((q, step), l) in q.iter_mut().zip(broyden.step(&moved)).zip(&scale) {
             *q += step / l;
         }
         match still.solve(&q) {
