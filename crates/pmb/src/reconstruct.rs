@@ -13,7 +13,7 @@ pub enum Reconstruction {
     Unlimited,
     /// Linear with van Albada's slope: second order in smooth flow.
     VanAlbada,
-    /// Third-order upwind-biased (kappa = 1/3) with Koren's limiter, as in CFL3D.
+    /// Third-order upwind-biased (kappa = 1/3) with Koren's limiter.
     Koren,
 }
 
