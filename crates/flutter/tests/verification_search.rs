@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use dip_flutter::decay::{DecaySettings, Reading, Watch, WatchSettings, limit_cycle};
-use dip_flutter::search::{Search, SearchSettings, SearchStep, Stability, Trial};
+use dip_flutter::search::{Rate, Search, SearchSettings, SearchStep, Stability, StaticLimit, Trial};
 
 fn settings(first: f64) -> SearchSettings {
     SearchSettings {
@@ -186,12 +186,16 @@ fn ends_of_the_range_divergence_and_the_last_run_are_said() {
     // Divergence at 0.3 while every oscillation is damped.
     let (end, _) = search(0.1, |rho| {
         if rho > 0.3 {
-            Stability::Divergence
+            Stability::Divergence(None)
         } else {
             oscillation(-0.05)
         }
     });
-    let SearchStep::Divergence([below, above]) = end else {
+    let SearchStep::Divergence(StaticLimit {
+        between: [below, above],
+        point: None,
+    }) = end
+    else {
         panic!("{end:?}")
     };
     assert!(
@@ -421,18 +425,8 @@ fn marches_on_both_sides_of_divergence_are_told_apart() {
     );
 }
 
-#[test]
-fn divergence_is_bracketed_from_motion_that_comes_to_rest_without_oscillating() {
-    // Of density: an oscillation damped more and more, then none, then divergence at 0.408.
-    let of = |at: f64| match at {
-        x if x < 0.395 => Stability::Oscillation {
-            g: -0.2 / (0.45 - x),
-            g_error: 1e-3,
-            freq_hz: 40.0 * (0.42 - x),
-        },
-        x if x < 0.408 => Stability::Subsidence,
-        _ => Stability::Divergence,
-    };
+/// A search of the density from 0.38 at 1 % with what `of` says of each run.
+fn search_to_divergence(of: impl Fn(f64) -> Stability) -> (SearchStep, usize) {
     let settings = SearchSettings {
         range: [0.05, 4.0],
         first: 0.38,
@@ -440,19 +434,73 @@ fn divergence_is_bracketed_from_motion_that_comes_to_rest_without_oscillating() 
         most_runs: 8,
     };
     let mut search = Search::new(settings, Vec::new()).unwrap();
-    let end = loop {
+    loop {
         match search.next() {
             SearchStep::Run(at) => search.add(Trial { at, stability: of(at) }).unwrap(),
-            end => break end,
+            end => return (end, search.trials().len()),
         }
-    };
-    let SearchStep::Divergence([stable, divergent]) = end else {
-        panic!("{end:?} after {:?}", search.trials())
+    }
+}
+
+/// A pair of roots that meet at 0.3955 and part on the real axis, one of which is zero at 0.408: p^2 + 40 p + 32000 (0.408 - x) = 0.
+fn approaching_divergence(x: f64) -> Stability {
+    let (half, rest) = (20.0_f64, 32e3 * (0.408 - x));
+    let square = half * half - rest;
+    if square < 0.0 {
+        let omega = (-square).sqrt();
+        return Stability::Oscillation {
+            g: -2.0 * half / omega,
+            g_error: 1e-3,
+            freq_hz: omega / TAU,
+        };
+    }
+    let rate = Some(Rate {
+        rate_1_s: square.sqrt() - half,
+        rate_error_1_s: 0.05,
+    });
+    if x < 0.408 {
+        Stability::Subsidence(rate)
+    } else {
+        Stability::Divergence(rate)
+    }
+}
+
+#[test]
+fn divergence_is_bracketed_where_no_rate_is_known() {
+    let (end, _) = search_to_divergence(|at| match approaching_divergence(at) {
+        Stability::Divergence(_) => Stability::Divergence(None),
+        Stability::Subsidence(_) => Stability::Subsidence(None),
+        oscillation => oscillation,
+    });
+    let SearchStep::Divergence(StaticLimit {
+        between: [stable, divergent],
+        point: None,
+    }) = end
+    else {
+        panic!("{end:?}")
     };
     assert!(
         stable < 0.408 && 0.408 <= divergent && divergent - stable < 0.0041,
         "{end:?}"
     );
+}
+
+#[test]
+fn divergence_is_where_the_rate_of_motion_without_oscillation_vanishes() {
+    let (end, runs) = search_to_divergence(approaching_divergence);
+    let SearchStep::Divergence(StaticLimit {
+        between: [stable, divergent],
+        point: Some(point),
+    }) = end
+    else {
+        panic!("{end:?}")
+    };
+    assert!(stable < 0.408 && 0.408 < divergent && point.bracketed, "{end:?}");
+    assert!((point.at - 0.408).abs() < 2.0 * point.error, "{point:?}");
+    assert!(point.error < 0.01 * 0.408 && point.freq_hz == 0.0, "{point:?}");
+    // The slope of the rate there: 32000 / 40.
+    assert!((point.slope / 800.0 - 1.0).abs() < 0.4, "{point:?}");
+    assert!(runs <= 6, "{runs} runs");
 }
 
 #[test]

@@ -136,6 +136,11 @@ fn damping(mach: f64, summary: &Summary) -> Option<MachCurves> {
                 speed_m_s: equivalent(p.flutter_speed_m_s, p.density_kg_m3),
                 frequency_hz: p.flutter_frequency_hz,
             })
+            .chain(summary.divergence.iter().map(|d| Onset {
+                divergence: true,
+                speed_m_s: equivalent(d.speed_m_s, d.density_kg_m3),
+                frequency_hz: 0.0,
+            }))
             .collect(),
     })
 }

@@ -4,6 +4,7 @@ use faer::c64;
 
 use super::{DecayFit, DecaySettings, Drift, has_faded, identify};
 use crate::error::{Result, check_value};
+use crate::search::{Rate, Stability};
 
 /// Part of the elastic energy at the end of a record from which a drift counts.
 const DRIFT_SHARE: f64 = 0.2;
@@ -112,6 +113,32 @@ impl Reading {
         let last = self.drift.filter(|d| d.rate_1_s < 0.0 && d.share > 1.0 - DRIFT_SHARE);
         let is_least_stable = |d: Drift| self.modes.iter().all(|m| m.p_rad_s.re < d.rate_1_s);
         self.growth.is_none() && (last.is_some_and(is_least_stable) || self.faded && self.modes.is_empty())
+    }
+
+    /// What a search makes of it; none where nothing could be read.
+    #[must_use]
+    pub fn stability(&self) -> Option<Stability> {
+        if self.subsides() {
+            let rate = self.drift.filter(|d| d.rate_error_1_s.is_finite()).map(|d| Rate {
+                rate_1_s: d.rate_1_s,
+                rate_error_1_s: d.rate_error_1_s,
+            });
+            return Some(Stability::Subsidence(rate));
+        }
+        let mode = self.modes.first();
+        let outgrows = |g: &Growth| mode.is_none_or(|m| g.rate_1_s > m.p_rad_s.re);
+        if let Some(growth) = self.growth.filter(outgrows) {
+            return Some(Stability::Divergence(Some(Rate {
+                rate_1_s: growth.rate_1_s,
+                rate_error_1_s: growth.rate_error_1_s,
+            })));
+        }
+        mode.map(|m| Stability::Oscillation {
+            g: m.g,
+            // Read only once before the motion ran away: nothing says how well.
+            g_error: if m.g_error.is_finite() { m.g_error } else { m.g.abs() },
+            freq_hz: m.freq_hz,
+        })
     }
 }
 

@@ -61,10 +61,8 @@ pub struct Row {
     pub g_error: f64,
     /// Its frequency, Hz.
     pub freq_hz: f64,
-    /// True if what was least stable came to rest without oscillating.
-    pub subsides: bool,
-    /// Rate of a growth without oscillation that outgrows it, 1/s.
-    pub divergence_1_s: Option<f64>,
+    /// What the search makes of it.
+    pub stability: Stability,
     /// Steps taken.
     pub steps: usize,
     /// Products with the flow's operator.
@@ -231,15 +229,12 @@ impl Case {
         let (g, g_error, freq_hz) = mode
             .as_ref()
             .map_or((f64::NAN, f64::NAN, f64::NAN), |m| (m.g, m.g_error, m.freq_hz));
-        let sigma = mode.as_ref().map_or(f64::NEG_INFINITY, |m| m.p_rad_s.re);
-        let growth = reader.watch.reading().and_then(|r| r.growth);
-        let subsides = reader.watch.reading().is_some_and(Reading::subsides);
+        let stability = reader.watch.reading().and_then(Reading::stability);
         let row = Row {
             g,
             g_error,
             freq_hz,
-            subsides,
-            divergence_1_s: growth.map(|g| g.rate_1_s).filter(|rate| *rate > sigma),
+            stability: stability.unwrap_or(Stability::Divergence(None)),
             steps: result.states.len() - 1,
             products: result.products,
             stop: result.stop,
@@ -247,6 +242,12 @@ impl Case {
             states: result.states,
             cpu_s: cpu_s() - begin,
         };
+        if let Some(rate) = row.stability.rate() {
+            println!(
+                "  {at:.5}: {:+.3} +- {:.3} 1/s without oscillation",
+                rate.rate_1_s, rate.rate_error_1_s
+            );
+        }
         println!(
             "  {at:.5}: {:?} after {} steps, {} products, {:.2} Hz, g {:+.4} +- {:.4}, {:.1} s",
             row.stop, row.steps, row.products, row.freq_hz, row.g, row.g_error, row.cpu_s
@@ -265,17 +266,7 @@ impl Case {
                 end => break end,
             };
             let row = self.march(still, at, stream(at), search.damping_accuracy())?;
-            let stability = if row.subsides {
-                Stability::Subsidence
-            } else if row.divergence_1_s.is_none() && row.g.is_finite() && row.g_error.is_finite() {
-                Stability::Oscillation {
-                    g: row.g,
-                    g_error: row.g_error,
-                    freq_hz: row.freq_hz,
-                }
-            } else {
-                Stability::Divergence
-            };
+            let stability = row.stability;
             search.add(Trial { at, stability })?;
             rows.push(row);
         };

@@ -194,7 +194,7 @@ fn closest_plate() -> Outcome<(Modes, String)> {
 
 /// Kappa = 1/3 and the limiter of CFL3D's `iflim` 4, whose constant is 10 over the cube root of the number of cells (xlim.F and
 /// gfluxr.F of nasa/CFL3D). Which of its limiters made the figure is not known.
-fn with_koren(s: &mut SteadySettings) {
+pub fn with_koren(s: &mut SteadySettings) {
     s.reconstruction = Reconstruction::Koren;
     s.limiter_constant = 10.0;
 }

@@ -1,7 +1,7 @@
 //! Validation of the aeroelastic march: a section on springs against Possio's equation, Isogai's case A, AGARD 445.6. Writes
 //! `docs/validation/march/`.
 //!
-//! `cargo run --release -p dip-pmb --example validate_march [-- section divergence isogai limit agard medium own like static sensitivity confidence responses cost]`
+//! `cargo run --release -p dip-pmb --example validate_march [-- section divergence isogai limit agard medium own reconstruction like static sensitivity confidence responses cost]`
 //! (all by default; about an hour on one core). With no part that it knows, it only puts the page together.
 
 mod agard;
@@ -56,7 +56,7 @@ fn percent(found: f64, reference: f64) -> String {
 
 type Part = (&'static str, fn(&Path) -> Outcome<String>);
 
-const PARTS: [Part; 13] = [
+const PARTS: [Part; 14] = [
     ("section", springs::section),
     ("divergence", springs::divergence),
     ("isogai", springs::isogai),
@@ -67,6 +67,7 @@ const PARTS: [Part; 13] = [
     ("agard", boundary::agard_boundary),
     ("medium", boundary::agard_medium),
     ("own", boundary::agard_own),
+    ("reconstruction", boundary::agard_reconstruction),
     ("like", like::like),
     ("static", position::static_position),
     ("responses", trust::responses),

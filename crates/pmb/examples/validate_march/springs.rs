@@ -5,6 +5,7 @@ use std::fs;
 use std::path::Path;
 
 use dip_flutter::decay::{DecaySettings, limit_cycle};
+use dip_flutter::search::{SearchStep, StaticLimit};
 use dip_report::{Chart, Figure, Marker, Series};
 
 use crate::driver::Outcome;
@@ -78,8 +79,8 @@ pub fn divergence(_: &Path) -> Outcome<String> {
         "## A section that diverges\n\n\
         a = 0.2, x_alpha = -0.3, r^2 = 0.24, mu = 20, omega_h / omega_alpha = 0.4; NACA 0002 as above. A thin plate diverges where (U / (b omega_alpha))^2 = \
         mu r^2 (1 - M^2)^(1/2) / (1 + 2 a); the same with the lift slope of the steady flow on this grid about this axis. The search knows neither and says \
-        that the section diverges, and between which speeds.\n\n\
-        | Mach | thin plate | with our lift slope | diverges between | | marches | CPU, s |\n|---|---|---|---|---|---|---|\n",
+        that the section diverges, between which speeds, and by the rates of growth and decay at which.\n\n\
+        | Mach | thin plate | with our lift slope | diverges between | at | to our lift slope | marches | CPU, s |\n|---|---|---|---|---|---|---|---|\n",
     );
     let grid = mesh("thin_aerofoil_unsteady")?;
     for mach in [0.3, 0.5] {
@@ -95,10 +96,16 @@ pub fn divergence(_: &Path) -> Outcome<String> {
         println!("divergence at Mach {mach}: thin plate {plate:.4}, by our moment {exact:.4}");
         let found = case.search(&still, search(0.8 * plate, [0.5, 6.0], 0.01), |v| DIVERGING.stream(v))?;
         let said = match found.end {
-            dip_flutter::search::SearchStep::Divergence([below, above]) => {
-                format!("{below:.4} and {above:.4} | {}", percent(0.5 * (below + above), exact))
-            }
-            end => format!("{end:?} |"),
+            SearchStep::Divergence(StaticLimit {
+                between: [below, above],
+                point: Some(point),
+            }) => format!(
+                "{below:.4} and {above:.4} | {:.4} +- {:.4} | {}",
+                point.at,
+                point.error,
+                percent(point.at, exact)
+            ),
+            end => format!("{end:?} | |"),
         };
         let _ = writeln!(
             page,

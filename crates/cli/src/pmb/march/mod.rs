@@ -127,6 +127,7 @@ fn march(
         Searched {
             trials: vec![trial],
             found: None,
+            limit: None,
             reason: "single run".to_owned(),
         }
     };
@@ -134,9 +135,12 @@ fn march(
     for warning in &warnings {
         tracing::warn!("{warning}");
     }
-    let Searched { trials, found, reason } = searched;
-    files::damping(&march.folder, &march, &trials, found.as_ref())?;
-    vg::write(&march, &trials, found.as_ref(), index.as_ref(), beside)?;
+    files::damping(&march.folder, &march, &searched)?;
+    vg::write(&march, &searched, index.as_ref(), beside)?;
+    let divergence = march.divergence(&searched, total.seconds().wall_s);
+    let Searched {
+        trials, found, reason, ..
+    } = searched;
     let point = found.map(|f| march.point(&f, index.as_ref(), total.seconds().wall_s));
     let cost = Cost::sum(trials.iter().map(|t| &t.cost));
     if trials.len() > 1 {
@@ -161,6 +165,7 @@ fn march(
         time_step_s: march.settings.step_s,
         transfer: march.inspection.clone(),
         flutter: point.into_iter().collect(),
+        divergence,
         trials,
         warnings,
         stages,
@@ -193,7 +198,7 @@ fn warnings(march: &March<'_>, searched: &Searched) -> Vec<String> {
             ));
         }
         if t.diverges {
-            let rate = t.growth_1_s.map_or_else(String::new, |r| format!(" at {r:.3} 1/s"));
+            let rate = t.rate_1_s.map_or_else(String::new, |r| format!(" at {r:.3} 1/s"));
             warnings.push(format!(
                 "{place}: divergence: the wing moves away without oscillating{rate}"
             ));

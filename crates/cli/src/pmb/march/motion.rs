@@ -2,7 +2,7 @@
 
 use super::summary::ModeRow;
 use dip_flutter::decay::{DecaySettings, LimitCycle, Reading, WatchedMode, limit_cycle};
-use dip_flutter::search::Stability;
+use dip_flutter::search::{Rate, Stability};
 use dip_modal::ModalEquations;
 use serde::{Deserialize, Serialize};
 
@@ -24,52 +24,33 @@ pub struct LimitCycleRow {
 /// What the motion does.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Motion {
-    /// The least stable mode oscillates, with its damping, standard error and frequency, Hz.
-    Oscillates {
-        /// Positive growing.
-        g: f64,
-        /// Standard error.
-        g_error: f64,
-        /// Hz.
-        freq_hz: f64,
-    },
+    /// What is least stable oscillates, goes away or comes to rest.
+    Is(Stability),
     /// It has grown, and keeps its size now.
     LimitCycle(LimitCycle),
-    /// It goes away without oscillating, at this rate, 1/s, where that could be read.
-    Diverges(Option<f64>),
-    /// It comes to rest without oscillating, at this rate, 1/s, below zero, where that could be read.
-    Subsides(Option<f64>),
 }
 
 /// What a run has shown: `record` are the generalized coordinates about their mean, `[mode][step]`, `reading` the last look at
 /// them; `settled` says whether the steady load could be held at all.
 pub fn motion(reading: Option<&Reading>, record: &[Vec<f64>], step_s: f64, settled: bool) -> Motion {
-    let growth = reading.and_then(|r| r.growth);
+    let read = reading
+        .and_then(Reading::stability)
+        .unwrap_or(Stability::Divergence(None));
     // A position that was not found in time may be held all the same: what moves about it decides, where it could be read.
     if !settled && reading.is_none_or(|r| !r.known) {
-        return Motion::Diverges(growth.map(|g| g.rate_1_s));
-    }
-    if let Some(r) = reading.filter(|r| r.subsides()) {
-        return Motion::Subsides(r.drift.filter(|d| d.rate_error_1_s.is_finite()).map(|d| d.rate_1_s));
-    }
-    let Some(mode) = reading.and_then(|r| r.modes.first()) else {
-        return Motion::Diverges(growth.map(|g| g.rate_1_s));
-    };
-    if let Some(growth) = growth
-        && growth.rate_1_s > mode.p_rad_s.re
-    {
-        return Motion::Diverges(Some(growth.rate_1_s));
+        let rate = match read {
+            Stability::Divergence(rate) => rate,
+            _ => None,
+        };
+        return Motion::Is(Stability::Divergence(rate));
     }
     // A record too short or too even for the question has no limit cycle to show.
-    if let Ok(Some(cycle)) = limit_cycle(record, step_s, &DecaySettings::default()) {
+    if let Stability::Oscillation { .. } = read
+        && let Ok(Some(cycle)) = limit_cycle(record, step_s, &DecaySettings::default())
+    {
         return Motion::LimitCycle(cycle);
     }
-    Motion::Oscillates {
-        g: mode.g,
-        // Read only once before the motion ran away: nothing says how well.
-        g_error: finite(mode.g_error).unwrap_or(mode.g.abs()),
-        freq_hz: mode.freq_hz,
-    }
+    Motion::Is(read)
 }
 
 /// The value, where it is a number that files can hold.
@@ -81,33 +62,28 @@ impl Motion {
     /// What the search makes of it: small motion decides, so that a limit cycle counts by the growth that led to it.
     pub fn stability(&self) -> Stability {
         match self {
-            Self::Oscillates { g, g_error, freq_hz } => Stability::Oscillation {
-                g: *g,
-                g_error: *g_error,
-                freq_hz: *freq_hz,
-            },
+            Self::Is(stability) => *stability,
             Self::LimitCycle(c) => Stability::Oscillation {
                 g: c.g_early,
                 // The growth slows down on the way: what is left of it at the end bounds the error.
                 g_error: 0.5 * (c.g_early - c.g_late).abs(),
                 freq_hz: c.freq_hz,
             },
-            Self::Diverges(_) => Stability::Divergence,
-            Self::Subsides(_) => Stability::Subsidence,
         }
     }
 
     /// In words.
     pub fn words(&self) -> String {
+        let at = |rate: &Option<Rate>| rate.map_or_else(String::new, |r| format!(" at {:.3} 1/s", r.rate_1_s));
         match self {
-            Self::Oscillates { g, g_error, .. } if g.abs() <= *g_error => "neutral within its error".to_owned(),
-            Self::Oscillates { g, .. } if *g > 0.0 => "grows".to_owned(),
-            Self::Oscillates { .. } => "decays".to_owned(),
             Self::LimitCycle(c) => format!("limit cycle at {:.2} Hz", c.freq_hz),
-            Self::Diverges(Some(rate)) => format!("diverges at {rate:.3} 1/s"),
-            Self::Diverges(None) => "diverges".to_owned(),
-            Self::Subsides(Some(rate)) => format!("comes to rest without oscillating, at {rate:.3} 1/s"),
-            Self::Subsides(None) => "comes to rest without oscillating".to_owned(),
+            Self::Is(Stability::Oscillation { g, g_error, .. }) if g.abs() <= *g_error => {
+                "neutral within its error".to_owned()
+            }
+            Self::Is(Stability::Oscillation { g, .. }) if *g > 0.0 => "grows".to_owned(),
+            Self::Is(Stability::Oscillation { .. }) => "decays".to_owned(),
+            Self::Is(Stability::Divergence(rate)) => format!("diverges{}", at(rate)),
+            Self::Is(Stability::Subsidence(rate)) => format!("comes to rest without oscillating{}", at(rate)),
         }
     }
 }
@@ -181,7 +157,7 @@ mod tests {
             [low + 0.1 * high, 0.4 * low + high]
         });
         assert!(
-            matches!(motion, Motion::Oscillates { g, .. } if (g - 0.02).abs() < 1e-4),
+            matches!(motion, Motion::Is(Stability::Oscillation { g, .. }) if (g - 0.02).abs() < 1e-4),
             "{motion:?}"
         );
         assert_eq!(motion.words(), "grows");
@@ -200,12 +176,11 @@ mod tests {
             })
         };
         let (motion, _) = with(15.0);
-        let Motion::Diverges(Some(rate)) = motion else {
+        let Motion::Is(Stability::Divergence(Some(rate))) = motion else {
             panic!("{motion:?}")
         };
-        assert!((rate - 15.0).abs() < 0.5, "{rate}");
-        assert_eq!(motion.stability(), Stability::Divergence);
-        assert!(matches!(with(-15.0).0, Motion::Oscillates { .. }));
+        assert!((rate.rate_1_s - 15.0).abs() < 0.5, "{rate:?}");
+        assert!(matches!(with(-15.0).0, Motion::Is(Stability::Oscillation { .. })));
     }
 
     #[test]
@@ -235,17 +210,19 @@ mod tests {
             .0
         };
         let motion = rests(-4.0);
-        let Motion::Subsides(Some(rate)) = motion else {
+        let Motion::Is(Stability::Subsidence(Some(rate))) = motion else {
             panic!("{motion:?}")
         };
-        assert!((rate + 4.0).abs() < 0.2, "{rate}");
-        assert_eq!(motion.stability(), Stability::Subsidence);
-        assert!(motion.words().starts_with("comes to rest without oscillating, at -"));
-        assert!(matches!(rests(4.0), Motion::Diverges(Some(_))));
+        assert!((rate.rate_1_s + 4.0).abs() < 0.2, "{rate:?}");
+        assert!(motion.words().starts_with("comes to rest without oscillating at -"));
+        assert!(matches!(rests(4.0), Motion::Is(Stability::Divergence(Some(_)))));
     }
 
     #[test]
     fn a_load_that_cannot_be_held_is_divergence() {
-        assert_eq!(motion(None, &[vec![0.0; 20]], STEP_S, false), Motion::Diverges(None));
+        assert_eq!(
+            motion(None, &[vec![0.0; 20]], STEP_S, false),
+            Motion::Is(Stability::Divergence(None))
+        );
     }
 }

@@ -3,19 +3,21 @@
 use super::TRIALS;
 use super::case::March;
 use super::parameter::Parameter;
-use super::summary::{FlutterPoint, TrialRow};
+use super::summary::{DivergencePoint, FlutterPoint, TrialRow};
 use crate::exit::Stop;
 use crate::progress::Seconds;
 use dip_flutter::SpeedIndexReference;
-use dip_flutter::search::{Neutral, Search, SearchStep, Stability, Trial};
+use dip_flutter::search::{Neutral, Rate, Search, SearchStep, Stability, StaticLimit, Trial};
 
 /// What a search has come to.
 #[derive(Debug)]
 pub struct Searched {
     /// Runs in order.
     pub trials: Vec<TrialRow>,
-    /// The point, if there is one.
+    /// The flutter point, if there is one.
     pub found: Option<Neutral>,
+    /// Where the wing diverges, if that comes first.
+    pub limit: Option<StaticLimit>,
     /// Why it ended.
     pub reason: String,
 }
@@ -35,27 +37,22 @@ impl March<'_> {
         let mut trials: Vec<TrialRow> = Vec::new();
         let older = self.older();
         let words = |at: f64| self.parameter.words(at);
-        let (found, reason) = loop {
+        let (found, limit, reason) = loop {
             let at = match search.next() {
                 SearchStep::Run(at) => at,
-                SearchStep::Found(point) => break (Some(point), "found".to_owned()),
+                SearchStep::Found(point) => break (Some(point), None, "found".to_owned()),
                 SearchStep::StableThroughout => {
-                    break (
-                        None,
-                        format!("stable up to the end of the range, {}", words(self.search.range[1])),
-                    );
+                    let end = words(self.search.range[1]);
+                    break (None, None, format!("stable up to the end of the range, {end}"));
                 }
                 SearchStep::UnstableThroughout => {
-                    break (
-                        None,
-                        format!("unstable down to the end of the range, {}", words(self.search.range[0])),
-                    );
+                    let end = words(self.search.range[0]);
+                    break (None, None, format!("unstable down to the end of the range, {end}"));
                 }
-                SearchStep::Divergence([a, b]) => {
-                    break (
-                        None,
-                        format!("divergence comes first, between {} and {}", words(a), words(b)),
-                    );
+                SearchStep::Divergence(limit) => {
+                    let [stable, divergent] = limit.between.map(words);
+                    let reason = format!("divergence comes first, between {stable} and {divergent}");
+                    break (None, Some(limit), reason);
                 }
                 SearchStep::OutOfRuns(best) => {
                     let end = "all runs were used, or the next would repeat one";
@@ -64,7 +61,7 @@ impl March<'_> {
                     } else {
                         "there is no estimate yet"
                     };
-                    break (best, format!("{end}; {rest}"));
+                    break (best, None, format!("{end}; {rest}"));
                 }
             };
             let number = trials.len() + 1;
@@ -82,7 +79,12 @@ impl March<'_> {
             self.folder.write_json(TRIALS, &(&self.stamp.fingerprint, &trials))?;
             search.add(Trial { at, stability }).map_err(refuse)?;
         };
-        Ok(Searched { trials, found, reason })
+        Ok(Searched {
+            trials,
+            found,
+            limit,
+            reason,
+        })
     }
 
     /// Finished runs of an earlier search of the same inputs.
@@ -95,6 +97,28 @@ impl March<'_> {
             .and_then(|t| serde_json::from_str::<(String, Vec<TrialRow>)>(&t).ok())
             .filter(|(fingerprint, _)| *fingerprint == self.stamp.fingerprint)
             .map_or_else(Vec::new, |(_, rows)| rows)
+    }
+
+    /// Divergence as scripts read it.
+    pub fn divergence(&self, searched: &Searched, time_s: f64) -> Option<DivergencePoint> {
+        let (at, error) = searched.divergence()?;
+        let parameter: Parameter = self.parameter;
+        let stream = parameter.stream(at);
+        Some(DivergencePoint {
+            mach: self.file.flow.mach,
+            parameter: parameter.name().to_owned(),
+            density_kg_m3: stream.density_kg_m3,
+            speed_m_s: stream.speed_m_s,
+            altitude_m: parameter.altitude_m(at),
+            dynamic_pressure_pa: stream.dynamic_pressure_pa(),
+            parameter_error: error / at,
+            between: searched
+                .limit?
+                .between
+                .map(|v| parameter.stream(v).dynamic_pressure_pa()),
+            method: "march".to_owned(),
+            time_s,
+        })
     }
 
     /// The point as scripts read it.
@@ -122,11 +146,28 @@ impl March<'_> {
     }
 }
 
+impl Searched {
+    /// Where the wing diverges: the middle between the runs next to it and half their distance where rates say no more.
+    pub fn divergence(&self) -> Option<(f64, f64)> {
+        let limit = self.limit?;
+        let [stable, divergent] = limit.between;
+        let middle = (0.5 * (stable + divergent), 0.5 * (divergent - stable));
+        Some(limit.point.map_or(middle, |p| (p.at, p.error)))
+    }
+}
+
 /// What the search makes of a row.
 fn stability(row: &TrialRow) -> Stability {
+    let rate = row
+        .rate_1_s
+        .zip(row.rate_error_1_s)
+        .map(|(rate_1_s, rate_error_1_s)| Rate {
+            rate_1_s,
+            rate_error_1_s,
+        });
     match (row.diverges, row.g, row.g_error, row.frequency_hz) {
         (false, Some(g), Some(g_error), Some(freq_hz)) => Stability::Oscillation { g, g_error, freq_hz },
-        (false, ..) => Stability::Subsidence,
-        (true, ..) => Stability::Divergence,
+        (false, ..) => Stability::Subsidence(rate),
+        (true, ..) => Stability::Divergence(rate),
     }
 }

@@ -47,9 +47,12 @@ pub struct TrialRow {
     pub modes: Vec<ModeRow>,
     /// True if the wing moves away without oscillating.
     pub diverges: bool,
-    /// Rate at which it does, 1/s, where that could be read.
+    /// Rate of a motion that does not oscillate, above zero where it goes away, 1/s, where that could be read.
     #[serde(skip_serializing_if = "Option::is_none", default)]
-    pub growth_1_s: Option<f64>,
+    pub rate_1_s: Option<f64>,
+    /// Its standard error, 1/s.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub rate_error_1_s: Option<f64>,
     /// False if the position in which the structure holds the steady load was not found: the motion is about another one.
     #[serde(default = "yes")]
     pub settled: bool,
@@ -226,6 +229,33 @@ pub struct FlutterPoint {
     pub time_s: f64,
 }
 
+/// A point of divergence as scripts read it.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct DivergencePoint {
+    /// Mach number.
+    pub mach: f64,
+    /// What was varied: `density`, `speed` or `altitude`.
+    pub parameter: String,
+    /// Density, kg/m^3.
+    pub density_kg_m3: f64,
+    /// Speed, m/s.
+    pub speed_m_s: f64,
+    /// Altitude of the matched point, m.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub altitude_m: Option<f64>,
+    /// Dynamic pressure, Pa.
+    pub dynamic_pressure_pa: f64,
+    /// Standard error of the varied quantity over it (of the density in a search of the altitude); half the distance of the runs
+    /// next to the point where their rates say no more.
+    pub parameter_error: f64,
+    /// Dynamic pressure of the runs next to it, Pa: stable at the first, divergent at the second.
+    pub between: [f64; 2],
+    /// Always `march`.
+    pub method: String,
+    /// Wall seconds, the steady flow included.
+    pub time_s: f64,
+}
+
 /// What `summary.json` holds.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Summary {
@@ -248,6 +278,9 @@ pub struct Summary {
     pub transfer: Inspection,
     /// The flutter point, where one was found; a list as `dlm flutter` has it.
     pub flutter: Vec<FlutterPoint>,
+    /// Where the wing diverges, if that comes first.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub divergence: Option<DivergencePoint>,
     /// Runs, in the order in which they were made.
     pub trials: Vec<TrialRow>,
     /// What to look at.
@@ -294,6 +327,19 @@ pub fn text(summary: &Summary, parameter: Parameter) -> String {
             t.steps,
             t.seconds.cpu_s,
             t.motion,
+        ));
+    }
+    if let Some(d) = &summary.divergence {
+        text.push_str(&format!(
+            "divergence at Mach {}: density {:.5} kg/m^3, {:.2} m/s{} ({} +- {:.2} %), dynamic pressure {:.1} Pa\n",
+            d.mach,
+            d.density_kg_m3,
+            d.speed_m_s,
+            d.altitude_m
+                .map_or_else(String::new, |h| format!(", altitude {h:.0} m")),
+            if altitude { "density" } else { parameter.name() },
+            100.0 * d.parameter_error,
+            d.dynamic_pressure_pa,
         ));
     }
     match summary.flutter.first() {

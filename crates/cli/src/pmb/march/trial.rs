@@ -102,11 +102,13 @@ impl March<'_> {
         }
         let reading = listener.damping.reading();
         let motion = motion(reading, &listener.damping.record(), settings.step_s, mean.settled);
-        let (g, g_error, frequency_hz) = match motion.stability() {
+        let stability = motion.stability();
+        let (g, g_error, frequency_hz) = match stability {
             Stability::Oscillation { g, g_error, freq_hz } => (Some(g), Some(g_error), Some(freq_hz)),
-            Stability::Divergence | Stability::Subsidence => (None, None, None),
+            Stability::Divergence(_) | Stability::Subsidence(_) => (None, None, None),
         };
-        let diverges = matches!(motion, Motion::Diverges(_));
+        let diverges = matches!(stability, Stability::Divergence(_));
+        let rate = stability.rate();
         let cost = Cost::new(&result.seconds, mean_position_s, listener.reading_s);
         tracing::info!("{label}: {}", motion.words());
         tracing::info!("{label}: {}", cost.words());
@@ -122,11 +124,8 @@ impl March<'_> {
             modes: reading.map_or_else(Vec::new, |r| named(&r.modes, equations)),
             diverges,
             settled: mean.settled,
-            growth_1_s: if let Motion::Diverges(rate) = motion {
-                rate
-            } else {
-                None
-            },
+            rate_1_s: rate.map(|r| r.rate_1_s),
+            rate_error_1_s: rate.map(|r| r.rate_error_1_s),
             drift: reading
                 .and_then(|r| r.drift)
                 .filter(|d| !d.dies() && !diverges)

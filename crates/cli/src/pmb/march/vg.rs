@@ -6,11 +6,12 @@
 //! damping depends little near flutter.
 
 use super::case::March;
+use super::files;
+use super::searching::Searched;
 use super::summary::TrialRow;
 use crate::exit::Stop;
 use crate::figures::drawing;
 use dip_flutter::SpeedIndexReference;
-use dip_flutter::search::Neutral;
 use dip_report::{Chart, Figure, Marker, Series};
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -101,11 +102,11 @@ fn chosen(lines: &[Line], mach: f64) -> Option<(String, BTreeMap<usize, Vec<&Lin
 /// What the file system says.
 pub fn write(
     march: &March<'_>,
-    trials: &[TrialRow],
-    found: Option<&Neutral>,
+    searched: &Searched,
     index: Option<&SpeedIndexReference>,
     beside: Option<&[Line]>,
 ) -> Result<(), Stop> {
+    let Searched { trials, found, .. } = searched;
     let Some(first) = trials.first().map(|t| t.density_kg_m3) else {
         return Ok(());
     };
@@ -120,7 +121,7 @@ pub fn write(
     );
     type Curve = (Vec<(f64, f64)>, Vec<(f64, f64)>, Vec<(f64, f64)>);
     let mut curves: BTreeMap<usize, Curve> = BTreeMap::new();
-    for t in rows {
+    for t in &rows {
         let at = equivalent(t.speed_m_s, t.density_kg_m3);
         for m in &t.modes {
             let k = std::f64::consts::TAU * m.frequency_hz * semichord / t.speed_m_s;
@@ -142,7 +143,11 @@ pub fn write(
         }
     }
     march.folder.write("vg.csv", csv.as_bytes())?;
-    if curves.is_empty() {
+    let rates = files::rates(&rows, |at| {
+        let stream = march.parameter.stream(at);
+        equivalent(stream.speed_m_s, stream.density_kg_m3)
+    });
+    if curves.is_empty() && rates.is_none() {
         return Ok(());
     }
     let lattice = beside.and_then(|lines| {
@@ -188,11 +193,28 @@ pub fn write(
         damping = damping.mark(at, 0.0, "flutter");
         frequency = frequency.mark(at, point.freq_hz, "flutter");
     }
-    let figure = Figure::new(format!("V-g and V-f at Mach {mach}"))
-        .share_x()
-        .row(vec![damping])
-        .row(vec![frequency]);
-    let svg = figure.svg(820, 760).map_err(|e| drawing(&e))?;
+    let divergence = searched.divergence().map(|(at, _)| {
+        let stream = march.parameter.stream(at);
+        equivalent(stream.speed_m_s, stream.density_kg_m3)
+    });
+    if let Some(at) = divergence {
+        damping = damping.vline(at, "divergence");
+        frequency = frequency.vline(at, "divergence");
+    }
+    let mut figure = Figure::new(format!("V-g and V-f at Mach {mach}")).share_x();
+    let mut height = 40;
+    if let Some(rates) = &rates {
+        frequency = rates.at_rest(frequency);
+    }
+    if !curves.is_empty() {
+        figure = figure.row(vec![damping]).row(vec![frequency]);
+        height += 720;
+    }
+    if let Some(rates) = rates {
+        figure = figure.row(vec![rates.chart(&label, divergence)]);
+        height += 360;
+    }
+    let svg = figure.svg(820, height).map_err(|e| drawing(&e))?;
     march.folder.write("vg.svg", svg.as_bytes())?;
     Ok(())
 }
