@@ -139,3 +139,40 @@ fn a_matched_point_lies_on_the_atmosphere() {
         "{row}"
     );
 }
+
+#[test]
+fn measured_frequencies_take_the_place_of_computed_ones() {
+    let case = CaseFolder::small();
+    let run = case
+        .run("dlm", &["flutter", "flutter.toml", "--out", "own", "--json"])
+        .exits(0);
+    let own: serde_json::Value = serde_json::from_str(&run.stdout).unwrap();
+    // All frequencies higher by a tenth: at the same density and reduced frequencies flutter is at a speed higher by a tenth.
+    let raised: Vec<String> = own["natural_frequencies_hz"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|f| format!("\"{} Hz\"", 1.1 * f.as_f64().unwrap()))
+        .collect();
+    let list = format!("modes.frequencies=[{}]", raised.join(", "));
+    let run = case
+        .run(
+            "dlm",
+            &["flutter", "flutter.toml", "--out", "raised", "--json", "--set", &list],
+        )
+        .exits(0);
+    let other: serde_json::Value = serde_json::from_str(&run.stdout).unwrap();
+    for key in ["flutter_speed_m_s", "flutter_frequency_hz"] {
+        let of = |v: &serde_json::Value| v["flutter"][0][key].as_f64().unwrap();
+        assert!(
+            (of(&other) / of(&own) / 1.1 - 1.0).abs() < 1e-5,
+            "{key}: {} {}",
+            of(&own),
+            of(&other)
+        );
+    }
+    let few = format!("modes.frequencies=[{}]", raised[0]);
+    case.run("dlm", &["flutter", "flutter.toml", "--out", "few", "--set", &few])
+        .exits(2)
+        .says(&["1 frequencies for the structure's"]);
+}

@@ -57,7 +57,8 @@ pub struct ModesTable {
     pub length_unit: Option<Length>,
     /// What one unit of generalized mass in the mode file is; 1 kg if left out.
     pub mass_unit: Option<Mass>,
-    /// Frequencies that go with the shapes of a CSV file.
+    /// Frequencies that go with the shapes of a CSV file; beside `structure`, one for each mode in place of the computed ones, as from
+    /// a ground vibration test (shapes and generalized masses stay).
     pub frequencies: Option<Vec<Frequency>>,
     /// Generalized masses that go with the shapes of a CSV file; 1 kg each if left out.
     pub generalized_masses: Option<Vec<Mass>>,

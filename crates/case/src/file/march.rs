@@ -56,6 +56,9 @@ pub struct MarchTable {
     /// Viscous damping of the modes as a fraction of critical: one number for all, or a list with one for each; none if left out.
     /// A structural damping g is g/2 here.
     pub damping: Option<ModalDamping>,
+    /// Which components of the modes move the wall.
+    #[serde(default)]
+    pub displacement: WallDisplacement,
     /// How flow and structure exchange forces and motion.
     #[serde(default)]
     pub coupling: CouplingKind,
@@ -93,6 +96,17 @@ pub enum ModalDamping {
     Same(f64),
     /// One value for each mode.
     Each(Vec<f64>),
+}
+
+/// Which components of the modes move the wall.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize, Serialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum WallDisplacement {
+    /// All: sections turn as rigid bodies do.
+    #[default]
+    All,
+    /// Along z only, as codes have it that take one deflection for each point; to compare with those.
+    Z,
 }
 
 /// How flow and structure exchange forces and motion.

@@ -17,7 +17,7 @@ pub use flutter::{
 };
 pub use march::{
     CouplingKind, MarchFile, MarchTable, ModalDamping, SearchParameter, SearchTable, StartMode, StartWord,
-    StructureScheme,
+    StructureScheme, WallDisplacement,
 };
 pub use mesh::MeshTable;
 pub use pitch::{Amount, HarmonicTable, MotionKind, MotionLaw, MotionTable, PitchFile, TimeSchemeKind, TimeTable};

@@ -1,6 +1,7 @@
 //! From shapes on the wall to displacements of every node of a grid.
 
 use crate::exit::Stop;
+use dip_case::file::WallDisplacement;
 use dip_grid::MultiBlock;
 use dip_modal::{Attachment, GridModes, Modes, MovingWall, StructuralSurface, Transfer, TransferCheck};
 use dip_pmb::moving::Nodes;
@@ -19,7 +20,7 @@ pub struct Deformation {
 /// # Errors
 /// What the transfer or the deformation refuses.
 pub fn of_modes(grid: &MultiBlock, modes: &Modes, count: usize) -> Result<Deformation, Stop> {
-    let fields = nodes(grid, &on_grid(grid, modes, count)?.modes);
+    let fields = nodes(grid, &on_grid(grid, modes, count, WallDisplacement::All)?.modes);
     Ok(Deformation { fields })
 }
 
@@ -34,11 +35,11 @@ pub struct OnGrid {
     pub check: TransferCheck,
 }
 
-/// As [`of_modes`], in the form that the march takes.
+/// As [`of_modes`], in the form that the march takes, with the components of the modes that `displacement` says.
 ///
 /// # Errors
 /// As [`of_modes`].
-pub fn on_grid(grid: &MultiBlock, modes: &Modes, count: usize) -> Result<OnGrid, Stop> {
+pub fn on_grid(grid: &MultiBlock, modes: &Modes, count: usize, displacement: WallDisplacement) -> Result<OnGrid, Stop> {
     let wall = moving_wall(grid)?;
     let refuse = |e: &dyn std::fmt::Display| {
         Stop::input(
@@ -50,6 +51,9 @@ pub fn on_grid(grid: &MultiBlock, modes: &Modes, count: usize) -> Result<OnGrid,
     let transfer = Transfer::new(&surface, &wall.points(), Attachment::default()).map_err(|e| refuse(&e))?;
     let mut shapes = transfer.modes(modes).map_err(|e| refuse(&e))?;
     shapes.truncate(count);
+    if displacement == WallDisplacement::Z {
+        shapes.iter_mut().flatten().for_each(|u| (u.x, u.y) = (0.0, 0.0));
+    }
     Ok(OnGrid {
         modes: spread(grid, &wall, &shapes)?,
         check: transfer.check(),
@@ -92,4 +96,32 @@ fn nodes(grid: &MultiBlock, modes: &GridModes) -> Vec<Nodes> {
             blocks: (0..grid.blocks.len()).map(|b| modes.field(m, b).clone()).collect(),
         })
         .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::assemble::modes;
+    use dip_case::Document;
+    use dip_case::file::MarchFile;
+    use std::path::Path;
+
+    #[test]
+    fn a_wall_displaced_along_z_has_the_same_deflection_and_no_other() {
+        let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+        let document = Document::read(&root.join("cases/agard445/march.toml"), &[]).unwrap();
+        let table = document.load::<MarchFile>().unwrap().modes;
+        let yates = modes::from_table(&document, &table).unwrap().modes;
+        let grid = dip_grid::recipe::make(&root.join("meshes/agard445_ch_coarsest.toml")).unwrap();
+        let all = on_grid(&grid, &yates, 2, WallDisplacement::All).unwrap().modes;
+        let along_z = on_grid(&grid, &yates, 2, WallDisplacement::Z).unwrap().modes;
+        let mut sideways = 0.0_f64;
+        for m in 0..2 {
+            for (a, z) in all.wall_shape(m).iter().zip(along_z.wall_shape(m)) {
+                assert_eq!((z.x, z.y, z.z), (0.0, 0.0, a.z));
+                sideways = sideways.max(a.x.abs());
+            }
+        }
+        assert!(sideways > 0.0);
+    }
 }

@@ -5,6 +5,7 @@ use crate::exit::Stop;
 use crate::stamp::Fingerprint;
 use dip_case::file::{FlutterFile, ModesTable, SplineKind, SplineTable};
 use dip_case::table::Table;
+use dip_case::units::Frequency;
 use dip_case::wing::Wing;
 use dip_case::{CaseError, Document};
 use dip_dlm::gaf::PointRule;
@@ -66,7 +67,6 @@ pub fn from_table(document: &Document, table: &ModesTable) -> Result<Structure, 
     let mut solved = match (&table.structure, &table.file) {
         (Some(path), None) => {
             for (key, given) in [
-                ("frequencies", table.frequencies.is_some()),
                 ("generalized_masses", table.generalized_masses.is_some()),
                 ("geometry", table.geometry.is_some()),
                 ("length_unit", table.length_unit.is_some()),
@@ -77,7 +77,11 @@ pub fn from_table(document: &Document, table: &ModesTable) -> Result<Structure, 
                     return Err(document.error(&format!("modes.{key}"), message, "leave it out").into());
                 }
             }
-            structure::modes(&Document::read(&document.path(path), &[])?)?
+            let mut solved = structure::modes(&Document::read(&document.path(path), &[])?)?;
+            if let Some(measured) = &table.frequencies {
+                replace_frequencies(document, table, measured, &mut solved.modes)?;
+            }
+            solved
         }
         (None, Some(path)) => {
             let path = document.path(path);
@@ -126,6 +130,41 @@ pub fn from_table(document: &Document, table: &ModesTable) -> Result<Structure, 
         modes.residual.truncate(count);
     }
     Ok(solved)
+}
+
+/// Gives computed modes other frequencies, as those of a ground vibration test; shapes and generalized masses stay, stiffness follows.
+fn replace_frequencies(
+    document: &Document,
+    table: &ModesTable,
+    measured: &[Frequency],
+    modes: &mut Modes,
+) -> Result<(), Stop> {
+    let wanted = table.count.unwrap_or_else(|| modes.count());
+    if measured.len() != wanted {
+        let message = format!("{} frequencies for the structure's {wanted} modes", measured.len());
+        let help = "give one for each mode in order, or another modes.count; left out, the computed ones stay";
+        return Err(document.error("modes.frequencies", message, help).into());
+    }
+    check_frequencies(document, measured)?;
+    modes
+        .omega_rad_s
+        .iter_mut()
+        .zip(measured)
+        .for_each(|(own, f)| *own = f.0);
+    Ok(())
+}
+
+fn check_frequencies(document: &Document, frequencies: &[Frequency]) -> Result<(), Stop> {
+    match frequencies.iter().position(|f| f.0 < 0.0) {
+        Some(i) => Err(document
+            .error(
+                &format!("modes.frequencies.{i}"),
+                "a negative frequency",
+                "needed zero or more",
+            )
+            .into()),
+        None => Ok(()),
+    }
 }
 
 /// Metres in the unit that a column name ends with: `x_in`, `x_m`.
@@ -182,15 +221,7 @@ fn from_csv(document: &Document, keys: &ModesTable, path: &Path) -> Result<Modes
             )
             .into());
     }
-    if let Some(i) = frequencies.iter().position(|f| f.0 < 0.0) {
-        return Err(document
-            .error(
-                &format!("modes.frequencies.{i}"),
-                "a negative frequency",
-                "needed zero or more",
-            )
-            .into());
-    }
+    check_frequencies(document, frequencies)?;
     let masses: Vec<f64> = match &keys.generalized_masses {
         Some(list) if list.len() < wanted => {
             let message = format!("{} generalized masses for {wanted} shapes", list.len());

@@ -106,7 +106,7 @@ impl<'a> March<'a> {
         let damping = steps::damping(document, &file, count)?;
         equations =
             ModalEquations::new(equations.omega_rad_s, damping, equations.generalized_mass).map_err(|e| refuse(&e))?;
-        let placed = deformation::on_grid(&mesh.grid, &structure, count)?;
+        let placed = deformation::on_grid(&mesh.grid, &structure, count, file.march.displacement)?;
         let wing = Wing::new(equations, &placed.modes, &mesh.grid).map_err(|e| flow::explain(document, e))?;
         stages.push(("transfer and deformation".to_owned(), timer.seconds()));
 

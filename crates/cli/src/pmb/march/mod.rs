@@ -141,7 +141,7 @@ fn march(
     let Searched {
         trials, found, reason, ..
     } = searched;
-    let point = found.map(|f| march.point(&f, index.as_ref(), total.seconds().wall_s));
+    let point = found.map(|f| march.point(&f, &trials, index.as_ref(), total.seconds().wall_s));
     let cost = Cost::sum(trials.iter().map(|t| &t.cost));
     if trials.len() > 1 {
         tracing::info!("all runs: {}", cost.words());

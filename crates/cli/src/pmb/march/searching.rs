@@ -122,7 +122,13 @@ impl March<'_> {
     }
 
     /// The point as scripts read it.
-    pub fn point(&self, found: &Neutral, index: Option<&SpeedIndexReference>, time_s: f64) -> FlutterPoint {
+    pub fn point(
+        &self,
+        found: &Neutral,
+        trials: &[TrialRow],
+        index: Option<&SpeedIndexReference>,
+        time_s: f64,
+    ) -> FlutterPoint {
         let parameter: Parameter = self.parameter;
         let stream = parameter.stream(found.at);
         let error = found.error / found.at;
@@ -136,6 +142,7 @@ impl March<'_> {
             flutter_speed_m_s: stream.speed_m_s,
             altitude_m: parameter.altitude_m(found.at),
             flutter_frequency_hz: found.freq_hz,
+            mode: mode_at(found, trials),
             flutter_speed_index: index.map(|r| r.speed_index(stream.speed_m_s, stream.density_kg_m3)),
             frequency_ratio: index.map(|r| r.frequency_ratio(found.freq_hz)),
             omega_alpha_rad_s: index.map(|r| r.omega_alpha_rad_s),
@@ -155,6 +162,22 @@ impl Searched {
         Some(limit.point.map_or(middle, |p| (p.at, p.error)))
     }
 }
+
+/// The structural mode of the oscillation that is neutral at a point: that of the least stable mode of the run next to it, if that has
+/// nearly its frequency.
+fn mode_at(found: &Neutral, trials: &[TrialRow]) -> Option<usize> {
+    let far = |t: &&TrialRow| (t.at - found.at).abs();
+    let nearest = trials.iter().min_by(|a, b| far(a).total_cmp(&far(b)))?;
+    let apart = |hz: f64| (hz / found.freq_hz).ln().abs();
+    let mode = nearest
+        .modes
+        .iter()
+        .min_by(|a, b| apart(a.frequency_hz).total_cmp(&apart(b.frequency_hz)))?;
+    (apart(mode.frequency_hz) < SAME_MODE).then_some(mode.mode)
+}
+
+/// Difference of the logarithms of two frequencies up to which they are of one mode.
+const SAME_MODE: f64 = 0.1;
 
 /// What the search makes of a row.
 fn stability(row: &TrialRow) -> Stability {

@@ -215,6 +215,9 @@ pub struct FlutterPoint {
     pub altitude_m: Option<f64>,
     /// Frequency, Hz.
     pub flutter_frequency_hz: f64,
+    /// Structural mode that moves most in what flutters, from 1; none where no run was near enough to tell.
+    #[serde(default)]
+    pub mode: Option<usize>,
     /// Speed index; none without `[speed_index]`.
     pub flutter_speed_index: Option<f64>,
     /// Frequency over omega_alpha.
