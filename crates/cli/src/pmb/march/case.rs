@@ -121,6 +121,9 @@ impl<'a> March<'a> {
         let displacement = 0.01 * settings.steady.reference.chord;
         let inspection = inspect(&folder, &mesh.grid, &placed, &structure, displacement)?;
         tracing::info!("{}", inspection.words());
+        for warning in inspection.warnings() {
+            tracing::warn!("{warning}");
+        }
         stages.push(("inspection of the transfer".to_owned(), timer.seconds()));
 
         let timer = Timer::start();

@@ -9,6 +9,9 @@ use dip_modal::{Modes, volume_change};
 use dip_report::{Figure, Mesh, mode_map};
 use serde::{Deserialize, Serialize};
 
+/// Amplification from which a wall stands too far off its structure; wings have 1.5 to 2.
+const FAR: f64 = 5.0;
+
 /// Errors above this are no rounding.
 const ROUNDING: f64 = 1e-9;
 
@@ -120,6 +123,13 @@ impl Inspection {
             if error > ROUNDING {
                 list.push(format!("the transfer to the wall keeps {what} only to {error:.1e}"));
             }
+        }
+        if self.amplification > FAR {
+            list.push(format!(
+                "the transfer moves a point of the wall up to {:.0} times as far as the structure that carries it, {:.3} m away (transfer.svg): check that the \
+                 grid's wing and that of the structure are one",
+                self.amplification, self.largest_offset_m
+            ));
         }
         if self.nodes_left_out > 0 {
             list.push(format!(
