@@ -67,6 +67,9 @@ const BEYOND: [f64; 2] = [0.5, 0.05];
 /// Largest extent of a structure over that of the wall, at least: a wall may have bodies that the structure has not.
 const LEAST_EXTENT: f64 = 0.2;
 
+/// An axis, and where structure and wall begin and end along it.
+type Extents = (usize, [f64; 2], [f64; 2]);
+
 /// A structure that lies elsewhere than the wall, or is of another size, is a mistake in units, axes or files; the transfer would carry
 /// its modes there all the same.
 fn check_place(wall: &[Vector3<f64>], modes: &Modes, planar: bool) -> Result<(), Stop> {
@@ -75,19 +78,19 @@ fn check_place(wall: &[Vector3<f64>], modes: &Modes, planar: bool) -> Result<(),
     };
     // What a plane flow's grid is across says nothing.
     let axes: &[usize] = if planar { &[0] } else { &[0, 1, 2] };
-    let boxes: Vec<(usize, [f64; 2], [f64; 2])> = axes
+    let boxes: Vec<Extents> = axes
         .iter()
         .map(|&d| {
             let structure = extent(&mut modes.nodes.iter().map(|n| n.position[d]));
             (d, structure, extent(&mut wall.iter().map(|p| p[d])))
         })
         .collect();
-    let largest = |of: fn(&(usize, [f64; 2], [f64; 2])) -> [f64; 2]| {
+    let largest = |of: fn(&Extents) -> [f64; 2]| {
         let sizes = boxes.iter().map(|b| (b.0, of(b)[1] - of(b)[0]));
         sizes.fold((0, 0.0), |a, b| if b.1 > a.1 { b } else { a })
     };
     let (structure, wall) = (largest(|b| b.1), largest(|b| b.2));
-    let beyond = |b: &&(usize, [f64; 2], [f64; 2])| {
+    let beyond = |b: &&Extents| {
         let margin = (BEYOND[0] * (b.2[1] - b.2[0])).max(BEYOND[1] * wall.1);
         b.1[0] < b.2[0] - margin || b.1[1] > b.2[1] + margin
     };
