@@ -68,6 +68,34 @@ fn a_search_finds_the_flutter_point_and_goes_on_to_the_same_one() {
 }
 
 #[test]
+fn a_run_whose_files_are_damaged_is_done_anew_and_the_finished_ones_are_kept() {
+    let case = CaseFolder::flow();
+    case.run("pmb", &["march", "march.toml", "--out", "whole", "-q"]);
+    let bytes = |folder: &str, file: &str| std::fs::read(case.path(folder).join(file)).unwrap();
+    for damaged in ["march_2.pmb", "march_2.mcap"] {
+        case.run("pmb", &["march", "march.toml", "--out", "broken", "-q", "--force"]);
+        let mut trials = json(&case, "broken/trials.json");
+        trials[1].as_array_mut().unwrap().truncate(1);
+        std::fs::write(case.path("broken/trials.json"), trials.to_string()).unwrap();
+        let whole = bytes("broken", damaged);
+        std::fs::write(case.path("broken").join(damaged), &whole[..whole.len() / 2]).unwrap();
+        let resumed = case.run("pmb", &["march", "march.toml", "--out", "broken", "--resume"]);
+        assert!(resumed.code == 0 || resumed.code == 3, "{}", resumed.stderr);
+        assert!(
+            resumed.stderr.contains("kept") && resumed.stderr.contains("this run is done anew"),
+            "{damaged}: {}",
+            resumed.stderr
+        );
+        for file in ["march_2.csv", "march_2.mcap"] {
+            assert!(
+                bytes("whole", file) == bytes("broken", file),
+                "{damaged}: {file} differs"
+            );
+        }
+    }
+}
+
+#[test]
 fn a_search_of_speed_or_altitude_gives_the_same_boundary() {
     let case = CaseFolder::flow();
     let search = |name: &str, set: &[&str]| -> Value {

@@ -32,6 +32,11 @@ impl Logbook {
         }
     }
 
+    /// Whether a recording is open.
+    pub fn has_begun(&self) -> bool {
+        self.writer.is_some()
+    }
+
     /// What holds for the whole run.
     pub fn setup(&self) -> &Setup {
         &self.setup

@@ -12,8 +12,26 @@ use crate::pmb::steady::watch::Watch;
 use crate::progress::Timer;
 use dip_flutter::decay::{self, WatchSettings};
 use dip_flutter::search::Stability;
+use dip_pmb::error::FlowError;
 use dip_pmb::march::mean::{self, DeflectionSettings};
-use dip_pmb::march::{MarchSettings, MarchStop};
+use dip_pmb::march::{MarchResult, MarchSettings, MarchStop};
+
+/// A run, finished or failed, and who listened to it.
+struct Attempt<'a> {
+    result: Result<MarchResult, FlowError>,
+    listener: Listener<'a>,
+}
+
+impl Attempt<'_> {
+    /// Why the run could not be gone on with from its files: one that is damaged or was cut short. The run can be done anew.
+    fn cannot_go_on(&self) -> Option<String> {
+        match &self.result {
+            Err(e @ FlowError::Restart { .. }) => Some(e.to_string()),
+            Err(e) if !self.listener.log.has_begun() => Some(e.to_string()),
+            _ => None,
+        }
+    }
+}
 
 impl March<'_> {
     /// A run at a value of the parameter, until its damping is known to `accuracy` where the usual one would not do.
@@ -57,34 +75,44 @@ impl March<'_> {
         }
         let restart = self.folder.path().join(format!("{name}.pmb"));
         let going_on = self.resume && restart.exists();
-        let settings = MarchSettings {
-            restart: Some(restart),
-            resume: going_on,
-            ..self.settings.clone()
+        let attempt = |going_on: bool, watch: Watch| -> Result<Attempt<'_>, Stop> {
+            let cancel = watch.cancel();
+            let settings = MarchSettings {
+                restart: Some(restart.clone()),
+                resume: going_on,
+                ..self.settings.clone()
+            };
+            let equations = &self.wing.equations;
+            let mut reading = WatchSettings::new(
+                settings.step_s,
+                equations.omega_rad_s.clone(),
+                equations.generalized_mass.clone(),
+            );
+            reading.accuracy = accuracy.map_or(reading.accuracy, |a| a.min(reading.accuracy));
+            let damping =
+                decay::Watch::new(reading).map_err(|e| Stop::failed(e.to_string(), "change march.steps_per_cycle"))?;
+            let recording = self.folder.path().join(format!("{name}.mcap"));
+            let mut listener = Listener {
+                watch,
+                damping,
+                mean: mean.q.clone(),
+                all_cycles: self.file.march.all_cycles,
+                steps: settings.steps,
+                label: label.clone(),
+                reading_s: 0.0,
+                grid: &self.grid,
+                log: Logbook::new(recording, self.setup(&stream), settings.checkpoint_steps),
+            };
+            let result = dip_pmb::march::run(&settings, &self.grid, &self.wing, stream, &mean, &mut listener, &cancel);
+            listener.watch.finish();
+            Ok(Attempt { result, listener })
         };
-        let equations = &self.wing.equations;
-        let mut reading = WatchSettings::new(
-            settings.step_s,
-            equations.omega_rad_s.clone(),
-            equations.generalized_mass.clone(),
-        );
-        reading.accuracy = accuracy.map_or(reading.accuracy, |a| a.min(reading.accuracy));
-        let damping =
-            decay::Watch::new(reading).map_err(|e| Stop::failed(e.to_string(), "change march.steps_per_cycle"))?;
-        let recording = self.folder.path().join(format!("{name}.mcap"));
-        let mut listener = Listener {
-            watch,
-            damping,
-            mean: mean.q.clone(),
-            all_cycles: self.file.march.all_cycles,
-            steps: settings.steps,
-            label: label.clone(),
-            reading_s: 0.0,
-            grid: &self.grid,
-            log: Logbook::new(recording, self.setup(&stream), settings.checkpoint_steps),
-        };
-        let result = dip_pmb::march::run(&settings, &self.grid, &self.wing, stream, &mean, &mut listener, &cancel);
-        listener.watch.finish();
+        let mut run = attempt(going_on, watch)?;
+        if let Some(why) = run.cannot_go_on().filter(|_| going_on) {
+            tracing::warn!("{label}: this run is done anew: {why}");
+            run = attempt(false, Watch::new(self.common.quiet, self.settings.time.orders))?;
+        }
+        let Attempt { result, mut listener } = run;
         let reason = match &result {
             Ok(r) => format!("{:?}", r.stop),
             Err(e) => format!("failed: {e}"),
@@ -101,7 +129,7 @@ impl March<'_> {
             )));
         }
         let reading = listener.damping.reading();
-        let motion = motion(reading, &listener.damping.record(), settings.step_s, mean.settled);
+        let motion = motion(reading, &listener.damping.record(), self.settings.step_s, mean.settled);
         let stability = motion.stability();
         let (g, g_error, frequency_hz) = match stability {
             Stability::Oscillation { g, g_error, freq_hz } => (Some(g), Some(g_error), Some(freq_hz)),
@@ -121,7 +149,7 @@ impl March<'_> {
             g,
             g_error,
             frequency_hz,
-            modes: reading.map_or_else(Vec::new, |r| named(&r.modes, equations)),
+            modes: reading.map_or_else(Vec::new, |r| named(&r.modes, &self.wing.equations)),
             diverges,
             settled: mean.settled,
             rate_1_s: rate.map(|r| r.rate_1_s),
