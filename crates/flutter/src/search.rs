@@ -345,9 +345,13 @@ impl Search {
                 Stability::Divergence(_) | Stability::Subsidence(_) => None,
             })
             .collect();
-        // The least stable mode may be another far from the neutral point: only runs that show the mode of the least stable run
-        // make its trend.
-        let critical = known.iter().max_by(|a, b| a.growth.total_cmp(&b.growth))?.freq_hz;
+        // The least stable mode may be another far from the neutral point: only runs that show the mode of the first unstable run (of
+        // the least stable one, if all are stable) make its trend.
+        let unstable = known.iter().filter(|s| s.growth >= 0.0);
+        let critical = unstable
+            .min_by(|a, b| a.at.total_cmp(&b.at))
+            .or_else(|| known.iter().max_by(|a, b| a.growth.total_cmp(&b.growth)))?
+            .freq_hz;
         known.retain(|s| (s.freq_hz / critical).ln().abs() < SAME_MODE);
         neutral(known)
     }

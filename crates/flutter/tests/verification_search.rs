@@ -178,6 +178,27 @@ fn a_mode_that_is_less_stable_far_away_does_not_mislead_the_trend() {
 }
 
 #[test]
+fn a_first_value_far_beyond_flutter_where_another_motion_grows_faster_does_not_hide_it() {
+    // As a rectangular wing at twice its flutter speed: a slow motion that is about to diverge outgrows the flutter of 15 Hz.
+    let (end, runs) = search(0.6, |rho| match rho {
+        x if x > 0.5 => Stability::Divergence(None),
+        x if x > 0.3 => Stability::Oscillation {
+            g: 2.0,
+            g_error: 1e-3,
+            freq_hz: 5.0,
+        },
+        _ => oscillation(0.8 * (rho - 0.2)),
+    });
+    let SearchStep::Found(found) = end else {
+        panic!("{end:?} after {runs:?}")
+    };
+    assert!(
+        (found.at - 0.2).abs() < 2.0 * found.error.max(1e-4),
+        "{found:?} after {runs:?}"
+    );
+}
+
+#[test]
 fn ends_of_the_range_divergence_and_the_last_run_are_said() {
     let (end, _) = search(0.5, |_| oscillation(-0.05));
     assert_eq!(end, SearchStep::StableThroughout);

@@ -36,13 +36,14 @@ pub struct PlateTable {
     pub nodes_chordwise: usize,
     /// Nodes along the span.
     pub nodes_spanwise: usize,
-    /// How the thickness of an element comes from the section's ordinates.
-    pub thickness: ThicknessRule,
+    /// How the thickness of an element comes from the section's ordinates; not needed with `constant_thickness`.
+    pub thickness: Option<ThicknessRule>,
     /// One thickness everywhere, instead of the section's.
     pub constant_thickness: Option<Length>,
     /// No thickness below this; for sections that close to nothing at their edges.
     pub minimum_thickness: Option<Length>,
     /// Consistent or lumped mass, or the mean of both.
+    #[serde(default)]
     pub mass: MassModel,
 }
 
@@ -59,10 +60,11 @@ pub enum ThicknessRule {
 }
 
 /// Mass matrix.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum MassModel {
     /// From the shape functions.
+    #[default]
     Consistent,
     /// Gathered at the nodes.
     Lumped,

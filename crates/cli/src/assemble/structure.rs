@@ -99,6 +99,16 @@ fn model(document: &Document, file: &StructureFile, wing: &Wing) -> Result<Model
             ));
         }
     }
+    let rule = match (plate.thickness, plate.constant_thickness) {
+        (Some(ThicknessRule::Nodal), _) => dip_modal::ThicknessRule::Nodal,
+        // A slab is the same by all rules.
+        (Some(ThicknessRule::ElementMean), _) | (None, Some(_)) => dip_modal::ThicknessRule::ElementMean,
+        (Some(ThicknessRule::ExactSection), _) => dip_modal::ThicknessRule::ExactSection,
+        (None, None) => {
+            let help = "add thickness = \"element-mean\" (that of the section), or constant_thickness = \"2 mm\"";
+            return Err(document.error("plate", "neither `thickness` nor `constant_thickness`", help));
+        }
+    };
     let material = material(document, file)?;
     let span = |a: &Section, b: &Section| {
         (b.leading_edge_m[1] - a.leading_edge_m[1]).hypot(b.leading_edge_m[2] - a.leading_edge_m[2])
@@ -120,11 +130,7 @@ fn model(document: &Document, file: &StructureFile, wing: &Wing) -> Result<Model
             chordwise_nodes: plate.nodes_chordwise,
             spanwise_nodes: rows_here + 1,
             section: ordinates(document, file, i, a, b)?,
-            rule: match plate.thickness {
-                ThicknessRule::Nodal => dip_modal::ThicknessRule::Nodal,
-                ThicknessRule::ElementMean => dip_modal::ThicknessRule::ElementMean,
-                ThicknessRule::ExactSection => dip_modal::ThicknessRule::ExactSection,
-            },
+            rule,
             material: material.clone(),
             axis: axis(file, a, b),
             root: match &file.support.root {

@@ -197,7 +197,8 @@ fn warnings(march: &March<'_>, searched: &Searched) -> Vec<String> {
                 t.not_converged, t.steps
             ));
         }
-        if t.diverges {
+        // Beyond the flutter point it is no news.
+        if t.diverges && searched.found.is_none_or(|point| t.at < point.at) {
             let rate = t.rate_1_s.map_or_else(String::new, |r| format!(" at {r:.3} 1/s"));
             warnings.push(format!(
                 "{place}: divergence: the wing moves away without oscillating{rate}"
