@@ -44,6 +44,8 @@ pub struct Compared {
     pub flutter_speed_index: Option<f64>,
     /// omega / omega_alpha on the same.
     pub frequency_ratio: Option<f64>,
+    /// Speed of divergence at the same density, m/s, where there is one.
+    pub divergence_speed_m_s: Option<f64>,
     /// Measured speed, m/s.
     pub experiment_speed_m_s: Option<f64>,
     /// Measured frequency, Hz.
@@ -136,6 +138,7 @@ fn compared(study: &Study, results: &[CurveResult]) -> Vec<Compared> {
                 flutter_frequency_hz: row.flutter_frequency_hz,
                 flutter_speed_index: index,
                 frequency_ratio: row.flutter_frequency_hz.map(|f| study.reference.frequency_ratio(f)),
+                divergence_speed_m_s: row.divergence_speed_m_s,
                 experiment_speed_m_s: measured.and_then(|p| p.speed_m_s),
                 experiment_frequency_hz: measured_frequency,
                 experiment_speed_index: measured_index,
@@ -152,11 +155,12 @@ fn compared(study: &Study, results: &[CurveResult]) -> Vec<Compared> {
 /// The table of all curves, for stdout and CSV.
 fn table(points: &[Compared]) -> Result<Table, Stop> {
     let mut columns = vec![Column::text("curve")];
-    columns.extend(columns_of_points());
+    let diverges = points.iter().any(|p| p.divergence_speed_m_s.is_some());
+    columns.extend(columns_of_points(diverges));
     let mut table = Table::new("Flutter boundary beside experiment", columns);
     for p in points {
         let mut row: Vec<Cell> = vec![p.curve.as_str().into()];
-        row.extend(cells_of_point(p));
+        row.extend(cells_of_point(p, diverges));
         table.push(row).map_err(|e| crate::figures::drawing(&e))?;
     }
     Ok(table)
@@ -164,16 +168,21 @@ fn table(points: &[Compared]) -> Result<Table, Stop> {
 
 /// The table of one curve, narrow enough for a page.
 pub fn curve_table(curve: &str, points: &[Compared]) -> Result<Table, Stop> {
-    let mut table = Table::new(format!("{curve} beside experiment"), columns_of_points());
-    for p in points.iter().filter(|p| p.curve == curve) {
-        table.push(cells_of_point(p)).map_err(|e| crate::figures::drawing(&e))?;
+    let of_curve = || points.iter().filter(|p| p.curve == curve);
+    let diverges = of_curve().any(|p| p.divergence_speed_m_s.is_some());
+    let mut table = Table::new(format!("{curve} beside experiment"), columns_of_points(diverges));
+    for p in of_curve() {
+        table
+            .push(cells_of_point(p, diverges))
+            .map_err(|e| crate::figures::drawing(&e))?;
     }
     Ok(table)
 }
 
-fn columns_of_points() -> Vec<Column> {
+/// Columns of a table of points; that of divergence only where a point `diverges`.
+fn columns_of_points(diverges: bool) -> Vec<Column> {
     let number = |name: &str, unit: &str, digits: usize| Column::number(name, unit, NumberFormat::Fixed(digits));
-    vec![
+    let mut columns = vec![
         number("Mach", "", 3),
         number("\u{3c1}", "kg/m\u{b3}", 5),
         number("U", "m/s", 2),
@@ -184,11 +193,15 @@ fn columns_of_points() -> Vec<Column> {
         number("exp.", "", 4),
         number("error", "%", 1),
         number("time", "s", 2),
-    ]
+    ];
+    if diverges {
+        columns.insert(2, number("divergence", "m/s", 2));
+    }
+    columns
 }
 
-fn cells_of_point(p: &Compared) -> Vec<Cell> {
-    vec![
+fn cells_of_point(p: &Compared, diverges: bool) -> Vec<Cell> {
+    let mut cells: Vec<Cell> = vec![
         p.mach.into(),
         p.density_kg_m3.into(),
         p.flutter_speed_m_s.into(),
@@ -199,5 +212,9 @@ fn cells_of_point(p: &Compared) -> Vec<Cell> {
         p.experiment_speed_index.into(),
         p.speed_error_percent.into(),
         p.time_s.into(),
-    ]
+    ];
+    if diverges {
+        cells.insert(2, p.divergence_speed_m_s.into());
+    }
+    cells
 }

@@ -18,6 +18,9 @@ pub struct BoundaryRow {
     pub flutter_speed_m_s: Option<f64>,
     /// Frequency, Hz.
     pub flutter_frequency_hz: Option<f64>,
+    /// Speed of divergence at the same density, m/s, where the range has one.
+    #[serde(default)]
+    pub divergence_speed_m_s: Option<f64>,
     /// Numerical uncertainty of the speed as a part of it, where the method states one.
     #[serde(default)]
     pub uncertainty: Option<f64>,
@@ -35,6 +38,7 @@ impl BoundaryRow {
             density_kg_m3: row.density_kg_m3,
             flutter_speed_m_s: row.flutter_speed_m_s,
             flutter_frequency_hz: row.flutter_frequency_hz,
+            divergence_speed_m_s: row.divergence_speed_m_s,
             uncertainty: None,
             time_s: row.time_s,
             cpu_s: row.cpu_s,

@@ -77,12 +77,17 @@ pub fn compute(
             .extend(summary.warnings.iter().map(|w| format!("Mach {mach}: {w}")));
         result.curves.extend(damping(mach, &summary));
         let found = summary.flutter.first();
+        let limit = summary.divergence.as_ref();
         let Seconds { wall_s, cpu_s } = summary.total;
         result.boundary.push(BoundaryRow {
             mach,
-            density_kg_m3: found.map_or(first, |p| p.density_kg_m3),
+            density_kg_m3: found
+                .map(|p| p.density_kg_m3)
+                .or(limit.map(|d| d.density_kg_m3))
+                .unwrap_or(first),
             flutter_speed_m_s: found.map(|p| p.flutter_speed_m_s),
             flutter_frequency_hz: found.map(|p| p.flutter_frequency_hz),
+            divergence_speed_m_s: limit.map(|d| d.speed_m_s),
             uncertainty: found.map(|p| p.speed_index_error),
             time_s: wall_s,
             cpu_s,

@@ -197,8 +197,9 @@ fn warnings(march: &March<'_>, searched: &Searched) -> Vec<String> {
                 t.not_converged, t.steps
             ));
         }
-        // Beyond the flutter point it is no news.
-        if t.diverges && searched.found.is_none_or(|point| t.at < point.at) {
+        // Beyond the flutter point it is no news, and beyond the point of divergence it has been said.
+        let is_news = searched.limit.is_none() && searched.found.is_none_or(|point| t.at < point.at);
+        if t.diverges && is_news {
             let rate = t.rate_1_s.map_or_else(String::new, |r| format!(" at {r:.3} 1/s"));
             warnings.push(format!(
                 "{place}: divergence: the wing moves away without oscillating{rate}"
