@@ -314,6 +314,14 @@ fn what_cannot_be_transferred_is_refused() {
         StructuralSurface::triangulate(&line),
         Err(TransferError::OnOneLine { nodes: 9, .. })
     ));
+    // As a table with two decimals has it.
+    let rounded: Vec<Vector3<f64>> = (0..9)
+        .map(|n| Vector3::new((f64::from(n) * 0.3127 * 100.0).round() / 100.0, f64::from(n), 0.0))
+        .collect();
+    assert!(matches!(
+        StructuralSurface::triangulate(&rounded),
+        Err(TransferError::OnOneLine { nodes: 9, .. })
+    ));
     assert!(matches!(
         StructuralSurface::triangulate(&line[..2]),
         Err(TransferError::TooFewNodes { got: 2 })

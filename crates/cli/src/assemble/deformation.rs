@@ -45,7 +45,7 @@ pub fn on_grid(grid: &MultiBlock, modes: &Modes, count: usize, displacement: Wal
     let refuse = |e: &dyn std::fmt::Display| {
         Stop::input(
             format!("transfer from the structure to the wall: {e}"),
-            "check that structure and grid have the same axes and length unit",
+            "give nodes fore and aft of each other, as on ribs, whose motion shows how the sections turn",
         )
     };
     let surface = StructuralSurface::of_modes(modes).map_err(|e| refuse(&e))?;
@@ -62,8 +62,9 @@ pub fn on_grid(grid: &MultiBlock, modes: &Modes, count: usize, displacement: Wal
     })
 }
 
-/// How far a structure may reach beyond the wall, over the wall's extent there, and (for a thin wall) over its largest.
-const BEYOND: [f64; 2] = [0.5, 0.05];
+/// How far a structure may reach beyond the wall, over the extent of the wall along that axis, and (across a thin wall, where engines hang)
+/// over its largest.
+const BEYOND: [f64; 2] = [0.5, 0.25];
 /// Largest extent of a structure over that of the wall, at least: a wall may have bodies that the structure has not.
 const LEAST_EXTENT: f64 = 0.2;
 

@@ -99,7 +99,15 @@ impl StructuralSurface {
             .chunks_exact(3)
             .map(|t| [kept[t[0]], kept[t[1]], kept[t[2]]])
             .collect();
-        Self::new(nodes.to_vec(), without_slivers(triangles, &plan))
+        let triangles = without_slivers(triangles, &plan);
+        if triangles.is_empty() {
+            // A line but for rounding in the table.
+            return Err(TransferError::OnOneLine {
+                nodes: nodes.len(),
+                ratio,
+            });
+        }
+        Self::new(nodes.to_vec(), triangles)
     }
 
     /// The nodes of `modes`, joined as by [`StructuralSurface::triangulate`].
