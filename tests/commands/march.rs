@@ -272,6 +272,20 @@ fn divergence_is_said_and_ends_a_search() {
 }
 
 #[test]
+fn what_a_search_did_not_reach_is_said() {
+    let case = CaseFolder::flow();
+    let run = |set: &[&str]| {
+        let mut arguments = vec!["march", "march.toml", "--out", "out", "-q", "--force"];
+        set.iter().for_each(|s| arguments.extend(["--set", s]));
+        case.run("pmb", &arguments)
+    };
+    // Three runs do not reach a thousandth of a per cent.
+    let few = run(&["search.tolerance=0.00001", "search.runs=3"]);
+    assert_eq!(few.code, 3, "{}", few.stderr);
+    assert!(few.stderr.contains("not to the 0.001 % asked for"), "{}", few.stderr);
+}
+
+#[test]
 fn what_is_wrong_in_a_march_is_named() {
     let case = CaseFolder::flow();
     for (set, words) in [

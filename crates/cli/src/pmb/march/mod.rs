@@ -189,6 +189,14 @@ fn warnings(march: &March<'_>, searched: &Searched) -> Vec<String> {
     if march.file.search.is_some() && searched.found.is_none() {
         warnings.push(format!("no flutter point: {}", searched.reason));
     }
+    if let Some(point) = searched.found.filter(|_| searched.reason != "found") {
+        warnings.push(format!(
+            "the flutter point is known to {:.3} %, not to the {:.3} % asked for: {}; give more search.runs or a larger search.tolerance",
+            100.0 * point.error / point.at,
+            100.0 * march.search.tolerance,
+            searched.reason
+        ));
+    }
     for t in &searched.trials {
         let place = march.parameter.words(t.at);
         if t.not_converged > 0 {

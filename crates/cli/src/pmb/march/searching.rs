@@ -79,6 +79,12 @@ impl March<'_> {
             self.folder.write_json(TRIALS, &(&self.stamp.fingerprint, &trials))?;
             search.add(Trial { at, stability }).map_err(refuse)?;
         };
+        let hidden = |t: &TrialRow| t.g.zip(t.g_error).is_some_and(|(g, error)| g.abs() <= error);
+        let reason = if found.is_none() && trials.iter().all(hidden) {
+            format!("{reason}; in every run the damping is smaller than its error: begin where there is more air")
+        } else {
+            reason
+        };
         Ok(Searched {
             trials,
             found,
